@@ -1,0 +1,48 @@
+//! What can be wrong with a scene file.
+
+use thiserror::Error;
+
+/// A scene that cannot be used, with the place and the remedy.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Error {
+    /// The file cannot be read.
+    #[error("cannot read the scene file {path}: {reason}")]
+    Read {
+        /// Path as given.
+        path: String,
+        /// What the operating system said.
+        reason: String,
+    },
+    /// The text is not a scene: syntax, an unknown key or a wrong type.
+    #[error("{name}, line {line}: {message}{hint}")]
+    Parse {
+        /// Name of the scene.
+        name: String,
+        /// Line counted from one; zero when the text came from an override.
+        line: usize,
+        /// What the parser said.
+        message: String,
+        /// The nearest known key, if there is one.
+        hint: String,
+    },
+    /// An override that is not `key.path=value` or does not fit the file.
+    #[error("override '{text}': {reason}")]
+    Override {
+        /// The override as given.
+        text: String,
+        /// Why it cannot be applied.
+        reason: String,
+    },
+    /// A value outside its range.
+    #[error("{name}: {key} = {got}: expected {expected}")]
+    Range {
+        /// Name of the scene.
+        name: String,
+        /// Key path of the value.
+        key: String,
+        /// Value found.
+        got: String,
+        /// What would be right.
+        expected: String,
+    },
+}

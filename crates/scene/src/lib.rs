@@ -1,0 +1,13 @@
+//! The scene file: what is simulated, in which units, with which methods, and which figures are checked afterwards.
+//!
+//! A scene is one TOML file. It is parsed and validated once, here; every later stage may rely on it.
+//! Lengths are in metres, everything else in SI units per metre of width.
+
+mod error;
+mod parse;
+mod types;
+mod validate;
+
+pub use error::Error;
+pub use parse::{nearest_key, parse_overrides};
+pub use types::*;

@@ -1,0 +1,519 @@
+//! The types that a scene file deserialises into. Field names are the keys of the file.
+
+use serde::{Deserialize, Serialize};
+
+/// A point or vector \[m\] as written in the file.
+pub type Point = [f64; 2];
+
+/// A whole scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// One line that names the case.
+    pub title: String,
+    /// Where set-up and reference come from.
+    #[serde(default)]
+    pub source: String,
+    /// What differs from the source.
+    #[serde(default)]
+    pub differs: String,
+    /// Acceleration of gravity \[m/s2\].
+    #[serde(default = "defaults::gravity")]
+    pub gravity: Point,
+    /// Duration and communication step.
+    pub run: Run,
+    /// What is written and how often.
+    #[serde(default)]
+    pub output: Output,
+    /// The water and its walls; absent in a scene of the structure alone.
+    #[serde(default)]
+    pub fluid: Option<Fluid>,
+    /// The cabin or beam; absent in a scene of the fluid alone.
+    #[serde(default)]
+    pub structure: Option<Structure>,
+    /// How the two are coupled.
+    #[serde(default)]
+    pub coupling: Coupling,
+    /// Figures that the program computes of its own result.
+    #[serde(default)]
+    pub check: Vec<Check>,
+}
+
+/// Duration and communication step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// End of the run \[s\]; it starts at 0.
+    pub end: f64,
+    /// Communication step \[s\]: the structure's step and the interval of results.
+    pub communication_step: f64,
+}
+
+/// What is written and how often.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Time between field frames \[s\]; 0 writes none.
+    pub interval: f64,
+    /// Time between rows of the results \[s\]; 0 writes every communication step.
+    pub record_interval: f64,
+    /// Variables to plot, by name; empty plots a default choice.
+    pub plot: Vec<String>,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { interval: 0.02, record_interval: 0.0, plot: Vec::new() }
+    }
+}
+
+/// The water, its walls, and the scheme.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fluid {
+    /// Density \[kg/m3\].
+    #[serde(default = "defaults::density")]
+    pub density: f64,
+    /// Particle spacing l0 \[m\]: halving it quadruples the particles and about octuples the run time.
+    pub spacing: f64,
+    /// Discretisation.
+    #[serde(default)]
+    pub scheme: Scheme,
+    /// Parameters of the paper's scheme.
+    #[serde(default)]
+    pub paper: Paper,
+    /// Pressure solver.
+    #[serde(default)]
+    pub solve: Solve,
+    /// Threads of the solver's own pool; 0 takes all processors.
+    #[serde(default)]
+    pub threads: usize,
+    /// Bodies of water at the start, each a closed polygon filled with particles.
+    pub water: Vec<Polygon>,
+    /// Fixed walls, fluid on the left when walked along.
+    #[serde(default)]
+    pub wall: Vec<Wall>,
+    /// Pressure probes.
+    #[serde(default)]
+    pub probe: Vec<Probe>,
+    /// Regions whose water mass is reported.
+    #[serde(default)]
+    pub region: Vec<Region>,
+}
+
+/// Discretisation of the fluid.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// The moving particle semi-implicit method as the paper states it.
+    #[default]
+    Paper,
+}
+
+impl Scheme {
+    /// The word in the scene file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+        }
+    }
+}
+
+/// Source term of the pressure Poisson equation.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// Divergence and density deviation mixed with a fixed weight `alpha` (the paper's equation 5).
+    #[default]
+    Mixed,
+    /// Density deviation weighted with its own magnitude (Sun et al. 2015).
+    Adaptive,
+}
+
+/// Parameters of the scheme `paper`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Paper {
+    /// Effective radius r_e in spacings, 2.1 to 4.0: larger is smoother and slower.
+    pub influence_radius: f64,
+    /// Share of the density error removed per step (0 to 1): larger holds the volume better and rings more.
+    pub alpha: f64,
+    /// Form of the source term.
+    pub source: Source,
+    /// Courant number u dt / l0, 0.01 to 0.5.
+    pub courant: f64,
+    /// Strength of particle shifting (0 to 0.5), 0 switches it off.
+    pub shifting: f64,
+    /// Distance in spacings below which two approaching particles collide (0 to 1).
+    pub collision_distance: f64,
+    /// Coefficient of restitution of such a collision (0 to 1).
+    pub restitution: f64,
+    /// A particle with less than this share of n0 may be a surface particle (0.8 to 1).
+    pub surface_density: f64,
+    /// and is one when its neighbours' centroid is farther than this, in spacings (0 to 1).
+    pub surface_deviation: f64,
+}
+
+impl Default for Paper {
+    fn default() -> Self {
+        Self {
+            influence_radius: 3.1,
+            alpha: 0.01,
+            source: Source::Mixed,
+            courant: 0.2,
+            shifting: 0.03,
+            collision_distance: 0.85,
+            restitution: 0.2,
+            surface_density: 0.97,
+            surface_deviation: 0.2,
+        }
+    }
+}
+
+/// Pressure solver.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Solve {
+    /// Relative residual at which the iteration stops; 0 picks 1e-3 for free flow and 1e-8 with a moving body.
+    pub tolerance: f64,
+    /// Iterations after which the solve is an error.
+    pub maximum_iterations: usize,
+}
+
+impl Default for Solve {
+    fn default() -> Self {
+        Self { tolerance: 0.0, maximum_iterations: 500 }
+    }
+}
+
+/// A closed polygon.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Polygon {
+    /// Corners in order.
+    pub polygon: Vec<Point>,
+}
+
+/// A polyline of wall, fluid on the left when walked along.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// Corners in order.
+    pub points: Vec<Point>,
+    /// Whether the last corner joins the first.
+    #[serde(default)]
+    pub closed: bool,
+}
+
+/// A pressure probe: one point, or `count` points on a line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Name in reports.
+    pub name: String,
+    /// Place of a point probe.
+    #[serde(default)]
+    pub point: Option<Point>,
+    /// First point of a line probe.
+    #[serde(default)]
+    pub from: Option<Point>,
+    /// Last point of a line probe.
+    #[serde(default)]
+    pub to: Option<Point>,
+    /// Number of points of a line probe.
+    #[serde(default)]
+    pub count: usize,
+}
+
+impl Probe {
+    /// The places of this probe \[m\].
+    pub fn points(&self) -> Vec<Point> {
+        match (self.point, self.from, self.to) {
+            (Some(point), _, _) => vec![point],
+            (None, Some(from), Some(to)) => (0..self.count)
+                .map(|i| {
+                    let share = i as f64 / (self.count.max(2) - 1) as f64;
+                    [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
+                })
+                .collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// A region whose water mass is reported.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Name in reports.
+    pub name: String,
+    /// Corners in order.
+    pub polygon: Vec<Point>,
+}
+
+/// The rigid cabin with its elastic beam.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Structure {
+    /// Place of the centre of gravity of the rigid part at the start \[m\].
+    #[serde(default)]
+    pub origin: Point,
+    /// Rotation at the start \[rad\], counter-clockwise.
+    #[serde(default)]
+    pub angle: f64,
+    /// Rigid degrees of freedom that move; the others are not solved for.
+    #[serde(default)]
+    pub free: Vec<Freedom>,
+    /// Mass of the rigid part \[kg/m\]; needed when it moves.
+    #[serde(default)]
+    pub mass: f64,
+    /// Moment of inertia of the rigid part about its centre of gravity \[kg m2/m\]; needed when it rotates.
+    #[serde(default)]
+    pub inertia: f64,
+    /// Wetted rigid walls in the body frame, fluid on the left when walked along.
+    #[serde(default)]
+    pub wall: Vec<Wall>,
+    /// The elastic beam.
+    #[serde(default)]
+    pub beam: Option<Beam>,
+    /// Time integration.
+    #[serde(default)]
+    pub integrator: Integrator,
+    /// A constant load on the generalised coordinates \[N/m, N m/m, N per modal unit\], for scenes without water.
+    #[serde(default)]
+    pub constant_load: Vec<f64>,
+}
+
+/// A rigid degree of freedom.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Freedom {
+    /// Sway, along X.
+    X,
+    /// Heave, along Y.
+    Y,
+    /// Roll.
+    Theta,
+}
+
+/// The elastic beam.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beam {
+    /// How its ends are held.
+    pub support: Support,
+    /// Middle of the undeformed beam in the body frame \[m\]; its axis runs along +y of the body.
+    pub middle: Point,
+    /// Length l \[m\].
+    pub length: f64,
+    /// Thickness h \[m\].
+    pub thickness: f64,
+    /// Density \[kg/m3\].
+    pub density: f64,
+    /// Young's modulus E \[Pa\].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio; given, the plate is in plane strain, E h^3 / (12 (1 - nu^2)).
+    #[serde(default)]
+    pub poisson_ratio: Option<f64>,
+    /// Number of modes, 0 (rigid) to 8.
+    #[serde(default = "defaults::modes")]
+    pub modes: usize,
+    /// Damping ratios of the modes; missing ones are 0.
+    #[serde(default)]
+    pub damping: Vec<f64>,
+    /// Modal coordinates at the start \[m sqrt(kg/m)\]; missing ones are 0.
+    #[serde(default)]
+    pub initial_modes: Vec<f64>,
+}
+
+impl Beam {
+    /// Bending stiffness EJ per metre of width \[N m\].
+    pub fn bending_stiffness(&self) -> f64 {
+        let plane_strain = self.poisson_ratio.map_or(1.0, |nu| 1.0 - nu * nu);
+        self.youngs_modulus * self.thickness.powi(3) / (12.0 * plane_strain)
+    }
+
+    /// Line density rho h \[kg/m per metre of width\].
+    pub fn line_density(&self) -> f64 {
+        self.density * self.thickness
+    }
+}
+
+/// How the ends of the beam are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Support {
+    /// Both ends clamped.
+    FixedFixed,
+    /// Clamped at -y, free at +y.
+    ClampedFree,
+}
+
+/// Time integration of the structure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Integrator {
+    /// Spectral radius at infinite frequency (0 to 1); given, generalised-alpha replaces Newmark.
+    pub rho_infinity: Option<f64>,
+    /// Newmark's beta.
+    pub beta: f64,
+    /// Newmark's gamma.
+    pub gamma: f64,
+}
+
+impl Default for Integrator {
+    fn default() -> Self {
+        Self { rho_infinity: None, beta: 0.25, gamma: 0.5 }
+    }
+}
+
+/// How fluid and structure are coupled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Coupling {
+    /// Method.
+    pub method: Method,
+    /// Relaxation factor: of `constant`, and of the first iteration of the others (0 to 1).
+    pub relaxation: f64,
+    /// Residual allowed relative to the exchanged quantity.
+    pub tolerance_relative: f64,
+    /// Residual allowed in the quantity's own unit.
+    pub tolerance_absolute: f64,
+    /// Iterations after which the step is halved.
+    pub maximum_iterations: usize,
+    /// Step below which the run stops with an error \[s\]; 0 takes 1/64 of the communication step.
+    pub smallest_step: f64,
+    /// Order of the extrapolation that starts a step: 0, 1 or 2.
+    pub predictor_order: usize,
+    /// Past steps whose columns iqn_ils reuses.
+    pub reused_steps: usize,
+}
+
+impl Default for Coupling {
+    fn default() -> Self {
+        Self {
+            method: Method::IqnIls,
+            relaxation: 0.2,
+            tolerance_relative: 1e-6,
+            tolerance_absolute: 1e-6,
+            maximum_iterations: 30,
+            smallest_step: 0.0,
+            predictor_order: 1,
+            reused_steps: 4,
+        }
+    }
+}
+
+/// Coupling method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// One pass per step.
+    Explicit,
+    /// Fixed-point iteration with a constant relaxation factor.
+    Constant,
+    /// Fixed-point iteration with Aitken's factor.
+    Aitken,
+    /// Interface quasi-Newton with an inverse Jacobian from least squares (Degroote et al. 2009).
+    IqnIls,
+}
+
+/// A figure that the program computes of its own result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Check {
+    /// Name in the summary.
+    pub name: String,
+    /// What is computed.
+    pub kind: CheckKind,
+    /// Variable as in results.csv, for example `fluid.probe.pressure[1]`.
+    #[serde(default)]
+    pub variable: String,
+    /// Start of the window \[s\]; absent: the start of the run.
+    #[serde(default)]
+    pub from: Option<f64>,
+    /// End of the window \[s\]; absent: the end of the run.
+    #[serde(default)]
+    pub to: Option<f64>,
+    /// The value is (series + offset) * scale.
+    #[serde(default = "defaults::one")]
+    pub scale: f64,
+    /// See `scale`.
+    #[serde(default)]
+    pub offset: f64,
+    /// Factor on the time of the series before it is compared with `points` or `file`.
+    #[serde(default = "defaults::one")]
+    pub time_scale: f64,
+    /// Expected value.
+    #[serde(default)]
+    pub reference: Option<f64>,
+    /// Largest error that counts as passed; absent: reported only.
+    #[serde(default)]
+    pub limit: Option<f64>,
+    /// Unit of the value.
+    #[serde(default)]
+    pub unit: String,
+    /// Reference curve as points (time, value).
+    #[serde(default)]
+    pub points: Vec<Point>,
+    /// Reference file beside the scene.
+    #[serde(default)]
+    pub file: String,
+    /// Columns of that file: time, then value (for a band: mean, minimum, maximum).
+    #[serde(default)]
+    pub columns: Vec<String>,
+    /// For curves: whether one free shift in time is allowed.
+    #[serde(default)]
+    pub free_shift: bool,
+    /// Depth of the water, for hydrostatic checks \[m\].
+    #[serde(default)]
+    pub depth: Option<f64>,
+    /// Where the reference comes from.
+    #[serde(default)]
+    pub source: String,
+}
+
+/// What a check computes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CheckKind {
+    /// Relative L2 error of the last frame's pressure against rho g (depth - y), over rho g depth.
+    HydrostaticPressure,
+    /// Root mean square about the mean.
+    SeriesRms,
+    /// Largest value.
+    SeriesMaximum,
+    /// Smallest value.
+    SeriesMinimum,
+    /// Last minus first value.
+    SeriesChange,
+    /// Mean value.
+    SeriesMean,
+    /// Frequency in hertz from the crossings of the mean.
+    SeriesFrequency,
+    /// Mean slope against time.
+    SeriesSlope,
+    /// Value at the time `from`.
+    ValueAt,
+    /// Time of the largest value.
+    TimeOfMaximum,
+    /// Root mean square distance to a reference curve.
+    CurveRms,
+    /// Largest excess over a band between two curves.
+    Band,
+}
+
+mod defaults {
+    pub fn gravity() -> [f64; 2] {
+        [0.0, -9.81]
+    }
+    pub fn density() -> f64 {
+        1000.0
+    }
+    pub fn modes() -> usize {
+        3
+    }
+    pub fn one() -> f64 {
+        1.0
+    }
+}
