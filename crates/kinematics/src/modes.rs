@@ -174,11 +174,11 @@ impl Mode {
     fn new(support: Support, index: usize) -> Self {
         // The root is centre + delta, centre an odd multiple of pi/2, and delta is solved for: cos and sin of the
         // root then follow from delta without the rounding of a large argument.
-        let (half_turns, sign) = match support {
-            Support::FixedFixed => (index as f64 + 1.5, -1.0),
-            Support::ClampedFree => (index as f64 + 0.5, 1.0),
+        let (half_turns, sign, even) = match support {
+            Support::FixedFixed => (index as f64 + 1.5, -1.0, !index.is_multiple_of(2)),
+            Support::ClampedFree => (index as f64 + 0.5, 1.0, index.is_multiple_of(2)),
         };
-        let sine_at_centre = if (half_turns - 0.5) as u64 % 2 == 0 { 1.0 } else { -1.0 };
+        let sine_at_centre = if even { 1.0 } else { -1.0 };
         let centre = half_turns * std::f64::consts::PI;
         let delta = root_offset(centre, sign * sine_at_centre);
         let root = centre + delta;

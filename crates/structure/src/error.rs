@@ -1,0 +1,114 @@
+//! What can go wrong, with the numbers that show it.
+
+/// An input that is refused or a step that could not be made. The state is unchanged in every case.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A parameter outside its range.
+    #[error("{what} is {value}, but has to be {range}")]
+    Parameter {
+        /// The parameter, with its unit.
+        what: String,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A list of another length than the number of modes or coordinates asks for.
+    #[error("{what} has {got} entries, but the structure needs {expected}")]
+    Length {
+        /// The list.
+        what: &'static str,
+        /// Entries needed.
+        expected: usize,
+        /// Entries given.
+        got: usize,
+    },
+    /// A generalised load that is not a finite number.
+    #[error("load component {component} is {value} at t = {time} s; every component has to be finite")]
+    LoadNotFinite {
+        /// Name of the component: fx, fy, mz, q[1] ...
+        component: String,
+        /// What was given.
+        value: f64,
+        /// Start of the step, s.
+        time: f64,
+    },
+    /// A state whose motion is not finite.
+    #[error("{rate} of coordinate {coordinate} is {value} at t = {time} s; every entry of a state has to be finite")]
+    StateNotFinite {
+        /// Name of the coordinate: x, y, theta, q[1] ...
+        coordinate: String,
+        /// Which of position, velocity and acceleration.
+        rate: &'static str,
+        /// What was found.
+        value: f64,
+        /// Time of the state, s.
+        time: f64,
+    },
+    /// A state in which a locked coordinate moves.
+    #[error(
+        "coordinate {coordinate} is locked but has the velocity {velocity} at t = {time} s; set it to 0 or free the coordinate"
+    )]
+    LockedMoves {
+        /// Name of the coordinate.
+        coordinate: String,
+        /// Its velocity.
+        velocity: f64,
+        /// Time of the state, s.
+        time: f64,
+    },
+    /// A step that is not positive and finite.
+    #[error("the step is {duration} s at t = {time} s, but has to be positive and finite")]
+    Duration {
+        /// What was given, s.
+        duration: f64,
+        /// Start of the step, s.
+        time: f64,
+    },
+    /// Newton-Raphson ran out of iterations or met a number that is not finite.
+    #[error(
+        "step of {duration} s at t = {time} s did not converge: relative residual {residual:e} after {iterations} iterations, \
+         tolerance {tolerance:e}; use a smaller step"
+    )]
+    NotConverged {
+        /// Start of the step, s.
+        time: f64,
+        /// Its length, s.
+        duration: f64,
+        /// Iterations made.
+        iterations: usize,
+        /// Residual force over the sum of forces, both in the norm of the inverse mass matrix.
+        residual: f64,
+        /// What it should have come down to.
+        tolerance: f64,
+    },
+    /// A system matrix that could not be factorised.
+    #[error(
+        "the {matrix} of {size} free coordinates is singular at t = {time} s; use a smaller step or check the masses"
+    )]
+    Singular {
+        /// Mass matrix or tangent.
+        matrix: &'static str,
+        /// Number of free coordinates.
+        size: usize,
+        /// Start of the step, s.
+        time: f64,
+    },
+}
+
+/// Name of a coordinate, as the variables of the interface have it.
+pub(crate) fn coordinate_name(index: usize) -> String {
+    name(index, ["x", "y", "theta"])
+}
+
+/// Name of a component of the generalised load.
+pub(crate) fn load_name(index: usize) -> String {
+    name(index, ["fx", "fy", "mz"])
+}
+
+fn name(index: usize, rigid: [&str; kinematics::RIGID]) -> String {
+    match rigid.get(index) {
+        Some(rigid) => (*rigid).to_string(),
+        None => format!("q[{}]", index + 1 - kinematics::RIGID),
+    }
+}

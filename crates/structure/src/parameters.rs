@@ -1,0 +1,145 @@
+//! What a structure is made of and how it is integrated; validated once by [`crate::Solver::new`].
+
+use crate::Error;
+use kinematics::BeamModes;
+use nalgebra::Vector2;
+
+/// A rigid cabin, with or without a beam.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    /// M_R, mass of the rigid part, kg per metre of width. Positive when X, Y or theta is free.
+    pub rigid_mass: f64,
+    /// I_R, moment of inertia of the rigid part about its centre of gravity o_R, kg m2 per metre of width. Positive when X, Y or theta is free.
+    pub rigid_inertia: f64,
+    /// Acceleration of gravity along -Y of the global frame, m/s2, at least 0.
+    pub gravity: f64,
+    /// Angle of the body frame in the scene, rad, counter-clockwise; theta is counted from it.
+    pub angle: f64,
+    /// The elastic part.
+    pub beam: Option<BeamParameters>,
+    /// Which of X, Y and theta move. A locked coordinate is not solved for: the system has a row less.
+    pub free: [bool; 3],
+    /// Time integration.
+    pub integrator: Integrator,
+    /// Bound of the relative residual at which Newton-Raphson stops, in [1e-13, 1e-2]; 1e-11 costs one iteration more than 1e-6.
+    pub tolerance: f64,
+    /// Newton-Raphson iterations after which a step is given up, at least 1; 20 is ample.
+    pub maximum_iterations: usize,
+}
+
+/// An elastic beam of the body. With zero modes it is a rigid bulkhead with its mass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeamParameters {
+    /// Shape functions, length and line density.
+    pub modes: BeamModes,
+    /// o_F, the middle of the beam, in the body frame, m.
+    pub middle: Vector2<f64>,
+    /// EJ, N m2 per metre of width: E h^3/12, or E h^3/(12 (1 - nu^2)) in plane strain.
+    ///
+    /// Print to mind: table 1 of the paper has the thickness 0.04 mm, which fits its frequencies for no bulkhead of that cabin.
+    pub bending_stiffness: f64,
+    /// zeta of every mode (share of critical damping, at least 0), or empty for none.
+    pub damping_ratios: Vec<f64>,
+}
+
+/// Time integration.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case", tag = "method")]
+pub enum Integrator {
+    /// Newmark (1959) with gamma >= 1/2 and 2 beta >= gamma (unconditionally stable). 1/4 and 1/2 is the average acceleration:
+    /// second order, no damping.
+    Newmark {
+        /// Weight of the end acceleration in the displacement.
+        beta: f64,
+        /// Weight of the end acceleration in the velocity; above 1/2 it damps and drops to first order.
+        gamma: f64,
+    },
+    /// Generalised-alpha (Chung and Hulbert 1993): second order, damps high frequencies only.
+    GeneralisedAlpha {
+        /// Spectral radius at infinite frequency, in [0, 1]: 1 keeps, 0 annihilates in one step.
+        rho_infinity: f64,
+    },
+}
+
+impl Default for Integrator {
+    fn default() -> Self {
+        Self::Newmark { beta: 0.25, gamma: 0.5 }
+    }
+}
+
+impl Parameters {
+    /// Number N of modes.
+    pub fn modes(&self) -> usize {
+        self.beam.as_ref().map_or(0, |beam| beam.modes.count())
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        let moves = self.free.contains(&true);
+        let inertial = |value: f64| if moves { value > 0.0 } else { value >= 0.0 };
+        let range = if moves { "positive and finite when x, y or theta is free" } else { "at least 0 and finite" };
+        check("the rigid mass [kg/m]", self.rigid_mass, inertial(self.rigid_mass), range)?;
+        check("the rigid moment of inertia [kg m2/m]", self.rigid_inertia, inertial(self.rigid_inertia), range)?;
+        check("the gravity [m/s2]", self.gravity, self.gravity >= 0.0, "at least 0 and finite")?;
+        check("the angle [rad]", self.angle, true, "finite")?;
+        check(
+            "the tolerance of Newton-Raphson",
+            self.tolerance,
+            (1e-13..=1e-2).contains(&self.tolerance),
+            "from 1e-13 to 1e-2",
+        )?;
+        let iterations = self.maximum_iterations as f64;
+        check("the largest number of iterations", iterations, iterations >= 1.0, "at least 1")?;
+        if let Some(beam) = &self.beam {
+            beam.validate()?;
+        }
+        self.integrator.validate()
+    }
+}
+
+impl BeamParameters {
+    fn validate(&self) -> Result<(), Error> {
+        check("the beam's middle x [m]", self.middle.x, true, "finite")?;
+        check("the beam's middle y [m]", self.middle.y, true, "finite")?;
+        let stiffness = self.bending_stiffness;
+        check(
+            "the bending stiffness [N m2/m]",
+            stiffness,
+            stiffness > 0.0,
+            "positive and finite; a rigid beam has 0 modes instead",
+        )?;
+        let (expected, got) = (self.modes.count(), self.damping_ratios.len());
+        if got != 0 && got != expected {
+            return Err(Error::Length { what: "the list of damping ratios", expected, got });
+        }
+        for (index, &ratio) in self.damping_ratios.iter().enumerate() {
+            check(&format!("the damping ratio of mode {}", index + 1), ratio, ratio >= 0.0, "at least 0 and finite")?;
+        }
+        Ok(())
+    }
+}
+
+impl Integrator {
+    fn validate(&self) -> Result<(), Error> {
+        match *self {
+            Self::Newmark { beta, gamma } => {
+                check("gamma of Newmark", gamma, (0.5..=1.0).contains(&gamma), "from 0.5 to 1")?;
+                check(
+                    "beta of Newmark",
+                    beta,
+                    2.0 * beta >= gamma && beta <= 1.0,
+                    "from gamma/2 (unconditional stability) to 1",
+                )
+            }
+            Self::GeneralisedAlpha { rho_infinity } => check(
+                "rho_infinity of generalised-alpha",
+                rho_infinity,
+                (0.0..=1.0).contains(&rho_infinity),
+                "from 0 to 1",
+            ),
+        }
+    }
+}
+
+fn check(what: &str, value: f64, inside: bool, range: &'static str) -> Result<(), Error> {
+    if inside && value.is_finite() { Ok(()) } else { Err(Error::Parameter { what: what.to_string(), value, range }) }
+}

@@ -1,0 +1,61 @@
+//! The coefficients of one step; Newmark and generalised-alpha differ in nothing else.
+
+use crate::Integrator;
+use kinematics::Motion;
+use nalgebra::DVector;
+
+/// One family for both methods, with a the algorithmic acceleration:
+///
+/// ```text
+/// x1 = x0 + H v0 + H^2 ((1/2 - beta) a0 + beta a1),      v1 = v0 + H ((1 - gamma) a0 + gamma a1),
+/// M(xp) ap + f(xp, vp) = Q,   xp = (1 - alpha_f) x1 + alpha_f x0,   vp alike,   ap = (1 - alpha_m) a1 + alpha_m a0.
+/// ```
+///
+/// Newmark is alpha_m = alpha_f = 0. Source: Chung and Hulbert (1993), equations 14-17 and 24-25.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Scheme {
+    pub alpha_m: f64,
+    pub alpha_f: f64,
+    pub beta: f64,
+    pub gamma: f64,
+    /// Whether a1 is carried over as the a0 of the next step. Newmark takes a0 anew from equilibrium with the load that is held
+    /// over the step: (v1 - v0)/H is then the mean acceleration under the mean load, and a load that jumps from
+    /// step to step, as one with a large added mass does, starts no oscillation of the accelerations.
+    pub remembers: bool,
+}
+
+impl Scheme {
+    pub(crate) fn new(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::Newmark { beta, gamma } => Self { alpha_m: 0.0, alpha_f: 0.0, beta, gamma, remembers: false },
+            Integrator::GeneralisedAlpha { rho_infinity } => {
+                let alpha_m = (2.0 * rho_infinity - 1.0) / (rho_infinity + 1.0);
+                let alpha_f = rho_infinity / (rho_infinity + 1.0);
+                let gamma = 0.5 - alpha_m + alpha_f;
+                let beta = 0.25 * (1.0 - alpha_m + alpha_f).powi(2);
+                Self { alpha_m, alpha_f, beta, gamma, remembers: true }
+            }
+        }
+    }
+
+    /// Position and velocity of `end` from the start, the start acceleration and the acceleration that `end` holds.
+    pub(crate) fn advance(&self, start: &Motion, start_acceleration: &DVector<f64>, duration: f64, end: &mut Motion) {
+        let square = duration * duration;
+        for k in 0..end.position.len() {
+            let (a0, a1) = (start_acceleration[k], end.acceleration[k]);
+            let (x0, v0) = (start.position[k], start.velocity[k]);
+            end.position[k] = x0 + duration * v0 + square * ((0.5 - self.beta) * a0 + self.beta * a1);
+            end.velocity[k] = v0 + duration * ((1.0 - self.gamma) * a0 + self.gamma * a1);
+        }
+    }
+
+    /// The motion at which the step asks for equilibrium.
+    pub(crate) fn point(&self, start: &Motion, start_acceleration: &DVector<f64>, end: &Motion, point: &mut Motion) {
+        let mix = |alpha: f64, old: f64, new: f64| (1.0 - alpha) * new + alpha * old;
+        for k in 0..end.position.len() {
+            point.position[k] = mix(self.alpha_f, start.position[k], end.position[k]);
+            point.velocity[k] = mix(self.alpha_f, start.velocity[k], end.velocity[k]);
+            point.acceleration[k] = mix(self.alpha_m, start_acceleration[k], end.acceleration[k]);
+        }
+    }
+}

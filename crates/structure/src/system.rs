@@ -1,0 +1,61 @@
+//! The system of the free coordinates: gathered from the full one, which it does not change in any other way.
+
+use kinematics::RIGID;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Which coordinates are solved for, in rising order.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FreeCoordinates {
+    indices: Vec<usize>,
+    size: usize,
+}
+
+impl FreeCoordinates {
+    pub(crate) fn new(free: [bool; RIGID], modes: usize) -> Self {
+        let size = RIGID + modes;
+        Self { indices: (0..size).filter(|&index| index >= RIGID || free[index]).collect(), size }
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.indices.len()
+    }
+
+    pub(crate) fn contains(&self, index: usize) -> bool {
+        self.indices.contains(&index)
+    }
+
+    pub(crate) fn gather(&self, full: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.count(), self.indices.iter().map(|&index| full[index]))
+    }
+
+    pub(crate) fn gather_matrix(&self, full: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(self.count(), self.count(), |row, column| full[(self.indices[row], self.indices[column])])
+    }
+
+    /// The full vector with zeros at the locked coordinates.
+    pub(crate) fn scatter(&self, reduced: &DVector<f64>, full: &mut DVector<f64>) {
+        full.fill(0.0);
+        for (&index, &value) in self.indices.iter().zip(reduced.iter()) {
+            full[index] = value;
+        }
+    }
+
+    /// The full matrix with zero rows and columns at the locked coordinates.
+    pub(crate) fn scatter_matrix(&self, reduced: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut full = DMatrix::zeros(self.size, self.size);
+        for (row, &full_row) in self.indices.iter().enumerate() {
+            for (column, &full_column) in self.indices.iter().enumerate() {
+                full[(full_row, full_column)] = reduced[(row, column)];
+            }
+        }
+        full
+    }
+}
+
+/// Norm of a force in the inverse mass matrix, sqrt(r.M^-1 r): the one measure in which forces, moments and modal forces add up.
+pub(crate) fn force_norm(mass: &Cholesky<f64, Dyn>, force: &DVector<f64>) -> f64 {
+    let mut scaled = force.clone();
+    // A Cholesky factor has a positive diagonal, so this cannot fail; a non-finite force shows in the norm.
+    mass.l_dirty().solve_lower_triangular_mut(&mut scaled);
+    scaled.norm()
+}
