@@ -1,0 +1,259 @@
+//! One instance of a model: call sequence, checks, messages, states. Usable with and without the C ABI.
+
+use crate::{Component, Experiment, Failure, Function, Logger, Mode, Model, Setup, Snapshot, Status, describe};
+use std::ffi::CString;
+use std::path::PathBuf;
+use uuid::Uuid;
+
+/// An instance of the model `C`. Methods carry the names of the standard's functions and give their result; the
+/// statuses of the C functions follow from it. There are no statics: instances do not know of each other.
+pub struct Instance<C: Component> {
+    pub(crate) component: C,
+    pub(crate) model: Model<C>,
+    pub(crate) logger: Logger,
+    pub(crate) mode: Mode,
+    /// Texts that the last fmi2GetString handed out.
+    pub(crate) texts: Vec<CString>,
+    setup: Setup,
+    guid: Uuid,
+    experiment: Experiment,
+    time: f64,
+    /// A parameter was changed after the initial state was built.
+    pub(crate) stale: bool,
+}
+
+fn broken(failure: Failure) -> Failure {
+    Failure::broken(failure.message)
+}
+
+const EXPERIMENT: Experiment = Experiment { start: 0.0, stop: None, tolerance: None };
+
+impl<C: Component> Instance<C> {
+    /// An instance of one variant, for use in process.
+    pub fn new(variant: usize, resources: Option<PathBuf>, logger: Logger) -> Result<Self, Failure> {
+        let variants = C::variants();
+        if !variants.contains(&variant) {
+            return Err(Failure::refused(format!("variant {variant}: expected one of {variants:?}")));
+        }
+        let model = C::model(variant);
+        let guid = describe::guid(&model)?;
+        let setup = Setup { variant, resources };
+        let component = C::new(&setup);
+        let mut instance = Self {
+            component,
+            model,
+            logger,
+            mode: Mode::Instantiated,
+            texts: Vec::new(),
+            setup,
+            guid,
+            experiment: EXPERIMENT,
+            time: 0.0,
+            stale: false,
+        };
+        instance.set_start_values();
+        Ok(instance)
+    }
+
+    /// An instance of the variant that has this GUID, with or without braces.
+    pub fn with_guid(guid: &str, resources: Option<PathBuf>, logger: Logger) -> Result<Self, Failure> {
+        let variants = C::variants();
+        let bare = guid.trim().trim_start_matches('{').trim_end_matches('}');
+        for variant in variants.clone() {
+            if describe::guid(&C::model(variant))?.to_string().eq_ignore_ascii_case(bare) {
+                return Self::new(variant, resources, logger);
+            }
+        }
+        let known = describe::guid(&C::model(*variants.start()))?;
+        Err(Failure::refused(format!(
+            "the GUID '{guid}' is not one of this binary's {} variants (the first has {known}): modelDescription.xml \
+             and binary are not of the same build",
+            variants.count()
+        )))
+    }
+
+    fn set_start_values(&mut self) {
+        use crate::Access::{Integer, Real, Text};
+        for variable in &self.model.variables {
+            match variable.access {
+                Real { set: Some(set), start: Some(value), .. } => set(&mut self.component, variable.index, value),
+                Integer { set: Some(set), start: Some(value), .. } => set(&mut self.component, variable.index, value),
+                Text { set: Some(set), start: Some(value), .. } => set(&mut self.component, variable.index, value),
+                _ => {}
+            }
+        }
+    }
+
+    /// The model's table and description.
+    pub fn model(&self) -> &Model<C> {
+        &self.model
+    }
+
+    /// The component, to look at in tests.
+    pub fn component(&self) -> &C {
+        &self.component
+    }
+
+    /// Mode of the state machine.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Time of the communication point \[s\].
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Puts the instance into the error mode when a call broke it.
+    pub(crate) fn note<T>(&mut self, result: Result<T, Failure>) -> Result<T, Failure> {
+        if result.as_ref().is_err_and(|failure| failure.breaks_instance) {
+            self.mode = Mode::Error;
+        }
+        result
+    }
+
+    pub(crate) fn allow(&self, function: Function) -> Result<(), Failure> {
+        function.check(self.mode)
+    }
+
+    /// fmi2SetDebugLogging.
+    pub fn set_debug_logging(&mut self, on: bool, categories: &[String]) -> Result<(), Failure> {
+        self.allow(Function::SetDebugLogging)?;
+        self.logger.switch(on, categories);
+        Ok(())
+    }
+
+    /// fmi2SetupExperiment; times in s.
+    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Failure> {
+        self.allow(Function::SetupExperiment)?;
+        if !start.is_finite() {
+            return Err(Failure::refused(format!("start time {start}: expected a finite number")));
+        }
+        if let Some(stop) = stop.filter(|&stop| stop.is_nan() || stop < start) {
+            return Err(Failure::refused(format!("stop time {stop} s: expected a number from the start {start} s on")));
+        }
+        self.experiment = Experiment { start, stop, tolerance };
+        self.time = start;
+        Ok(())
+    }
+
+    /// fmi2EnterInitializationMode: builds the initial state.
+    pub fn enter_initialization_mode(&mut self) -> Result<(), Failure> {
+        self.allow(Function::EnterInitializationMode)?;
+        self.mode = Mode::Initialization;
+        self.stale = true;
+        self.refresh()
+    }
+
+    /// Builds the initial state anew when parameters changed since.
+    pub(crate) fn refresh(&mut self) -> Result<(), Failure> {
+        if self.stale && self.mode == Mode::Initialization {
+            self.component.initialise(&self.experiment, &self.logger).map_err(|failure| Failure {
+                breaks_instance: true,
+                status: Status::ERROR,
+                ..failure
+            })?;
+            self.stale = false;
+        }
+        Ok(())
+    }
+
+    /// fmi2ExitInitializationMode.
+    pub fn exit_initialization_mode(&mut self) -> Result<(), Failure> {
+        self.allow(Function::ExitInitializationMode)?;
+        self.refresh()?;
+        self.mode = Mode::StepComplete;
+        Ok(())
+    }
+
+    /// fmi2Terminate.
+    pub fn terminate(&mut self) -> Result<(), Failure> {
+        self.allow(Function::Terminate)?;
+        self.mode = Mode::Terminated;
+        let result = self.component.terminate(&self.logger);
+        self.note(result)
+    }
+
+    /// fmi2Reset: as after instantiation.
+    pub fn reset(&mut self) -> Result<(), Failure> {
+        self.allow(Function::Reset)?;
+        self.component = C::new(&self.setup);
+        self.set_start_values();
+        self.mode = Mode::Instantiated;
+        self.experiment = EXPERIMENT;
+        self.time = 0.0;
+        self.stale = false;
+        Ok(())
+    }
+
+    /// fmi2DoStep from the communication point `time` over `step` \[s\].
+    pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), Failure> {
+        self.allow(Function::DoStep)?;
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Failure::refused(format!("communication step {step} s: expected a positive, finite number")));
+        }
+        // Importers add up or multiply their time, so it may differ in the last digits.
+        let allowance = 1e-6 * step + 8.0 * f64::EPSILON * self.time.abs();
+        let distance = (time - self.time).abs();
+        if distance.is_nan() || distance > allowance {
+            return Err(Failure::refused(format!(
+                "communication point {time} s: expected {} s, where the last step ended; restore a state to go back",
+                self.time
+            )));
+        }
+        let end = time + step;
+        if let Some(stop) = self.experiment.stop.filter(|&stop| end > stop + allowance) {
+            return Err(Failure::refused(format!("a step to {end} s passes the stop time {stop} s")));
+        }
+        match self.component.do_step(time, step, &self.logger) {
+            Ok(()) => {
+                self.time = end;
+                Ok(())
+            }
+            Err(failure) => {
+                self.mode = if failure.status == Status::DISCARD { Mode::StepFailed } else { Mode::Error };
+                Err(failure)
+            }
+        }
+    }
+
+    /// fmi2GetFMUstate.
+    pub fn get_state(&self) -> Result<Snapshot<C::State>, Failure> {
+        self.allow(Function::GetFmuState)?;
+        Ok(Snapshot {
+            mode: self.mode,
+            start: self.experiment.start,
+            stop: self.experiment.stop,
+            tolerance: self.experiment.tolerance,
+            time: self.time,
+            component: self.component.save(),
+        })
+    }
+
+    /// fmi2SetFMUstate.
+    pub fn set_state(&mut self, snapshot: &Snapshot<C::State>) -> Result<(), Failure> {
+        self.allow(Function::SetFmuState)?;
+        self.component.restore(&snapshot.component).map_err(|failure| Failure {
+            breaks_instance: true,
+            status: Status::ERROR,
+            ..failure
+        })?;
+        self.mode = snapshot.mode;
+        self.experiment = Experiment { start: snapshot.start, stop: snapshot.stop, tolerance: snapshot.tolerance };
+        self.time = snapshot.time;
+        self.stale = snapshot.mode == Mode::Initialization;
+        Ok(())
+    }
+
+    /// fmi2SerializeFMUstate.
+    pub fn serialize(&self, snapshot: &Snapshot<C::State>) -> Result<Vec<u8>, Failure> {
+        self.allow(Function::SerializeFmuState)?;
+        snapshot.to_bytes(self.guid)
+    }
+
+    /// fmi2DeSerializeFMUstate.
+    pub fn deserialize(&self, bytes: &[u8]) -> Result<Snapshot<C::State>, Failure> {
+        self.allow(Function::DeSerializeFmuState)?;
+        Snapshot::from_bytes(bytes, self.guid)
+    }
+}
