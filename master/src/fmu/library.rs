@@ -1,0 +1,116 @@
+//! The functions of an FMU's shared library.
+
+use super::abi::{
+    Boolean, Derivative, DoStep, FreeInstance, Get, Instantiate, Plain, Set, SetupExperiment, StateByAddress,
+    StateByValue, Text, Version,
+};
+use super::{Archive, Error};
+use crate::participant::Description;
+use std::ffi::{CStr, c_int};
+
+/// Loaded functions. The library stays loaded as long as this value lives.
+pub struct Library {
+    pub(super) instantiate: Instantiate,
+    pub(super) free_instance: FreeInstance,
+    pub(super) setup_experiment: SetupExperiment,
+    pub(super) enter_initialisation: Plain,
+    pub(super) exit_initialisation: Plain,
+    pub(super) terminate: Plain,
+    pub(super) get_real: Get<f64>,
+    pub(super) set_real: Set<f64>,
+    pub(super) get_integer: Get<c_int>,
+    pub(super) set_integer: Set<c_int>,
+    pub(super) get_boolean: Get<Boolean>,
+    pub(super) set_boolean: Set<Boolean>,
+    pub(super) get_string: Get<Text>,
+    pub(super) set_string: Set<Text>,
+    pub(super) do_step: DoStep,
+    pub(super) states: Option<StateFunctions>,
+    pub(super) derivative: Option<Derivative>,
+    _library: libloading::Library,
+}
+
+/// Functions that only FMUs with canGetAndSetFMUstate need to have.
+#[derive(Clone, Copy)]
+pub(super) struct StateFunctions {
+    pub get: StateByAddress,
+    pub set: StateByValue,
+    pub free: StateByAddress,
+}
+
+impl Library {
+    /// Loads the binary of this platform and resolves the functions that the description promises.
+    pub fn load(archive: &Archive, identifier: &str, description: &Description) -> Result<Self, Error> {
+        let binary = archive.binary(identifier)?;
+        let refuse = |reason: String| Error::Library { path: archive.path.clone(), reason };
+        // SAFETY: loading runs the library's initialisers; the user chose to run this FMU.
+        let library = unsafe { libloading::Library::new(binary) }.map_err(|error| refuse(error.to_string()))?;
+        let loader = Loader { library: &library, path: &archive.path };
+        loader.check_version()?;
+        let states = if description.saves_states { Some(loader.states()?) } else { None };
+        let derivative =
+            if description.derivatives { Some(loader.function("fmi2GetDirectionalDerivative")?) } else { None };
+        Ok(Self {
+            instantiate: loader.function("fmi2Instantiate")?,
+            free_instance: loader.function("fmi2FreeInstance")?,
+            setup_experiment: loader.function("fmi2SetupExperiment")?,
+            enter_initialisation: loader.function("fmi2EnterInitializationMode")?,
+            exit_initialisation: loader.function("fmi2ExitInitializationMode")?,
+            terminate: loader.function("fmi2Terminate")?,
+            get_real: loader.function("fmi2GetReal")?,
+            set_real: loader.function("fmi2SetReal")?,
+            get_integer: loader.function("fmi2GetInteger")?,
+            set_integer: loader.function("fmi2SetInteger")?,
+            get_boolean: loader.function("fmi2GetBoolean")?,
+            set_boolean: loader.function("fmi2SetBoolean")?,
+            get_string: loader.function("fmi2GetString")?,
+            set_string: loader.function("fmi2SetString")?,
+            do_step: loader.function("fmi2DoStep")?,
+            states,
+            derivative,
+            _library: library,
+        })
+    }
+}
+
+struct Loader<'a> {
+    library: &'a libloading::Library,
+    path: &'a str,
+}
+
+impl Loader<'_> {
+    /// Resolves one function; `T` must be its C type.
+    fn function<T: Copy>(&self, name: &str) -> Result<T, Error> {
+        // SAFETY: callers pass the type that the standard gives to this name; the library outlives the copy because
+        // both live in one `Library`.
+        let symbol = unsafe { self.library.get::<T>(name.as_bytes()) };
+        symbol.map(|symbol| *symbol).map_err(|error| Error::Library {
+            path: self.path.to_string(),
+            reason: format!("the library has no function {name}: {error}"),
+        })
+    }
+
+    fn states(&self) -> Result<StateFunctions, Error> {
+        Ok(StateFunctions {
+            get: self.function("fmi2GetFMUstate")?,
+            set: self.function("fmi2SetFMUstate")?,
+            free: self.function("fmi2FreeFMUstate")?,
+        })
+    }
+
+    fn check_version(&self) -> Result<(), Error> {
+        let version: Version = self.function("fmi2GetVersion")?;
+        // SAFETY: fmi2GetVersion takes nothing and returns a static string or NULL.
+        let text = unsafe { version() };
+        if text.is_null() {
+            return Err(Error::Library { path: self.path.to_string(), reason: "fmi2GetVersion gave NULL".into() });
+        }
+        // SAFETY: checked non-null; the standard promises a terminated static string.
+        let text = unsafe { CStr::from_ptr(text) }.to_string_lossy();
+        if text.starts_with("2.") {
+            return Ok(());
+        }
+        let reason = format!("fmi2GetVersion is '{text}', expected '2.0'");
+        Err(Error::Library { path: self.path.to_string(), reason })
+    }
+}

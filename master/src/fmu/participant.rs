@@ -1,0 +1,281 @@
+//! An FMU as a participant.
+
+use super::abi::{
+    self, CO_SIMULATION, Callbacks, Component, DISCARD, ERROR, FALSE, Get, OK, Set, StateHandle, Status, TRUE, WARNING,
+    status_name,
+};
+use super::library::StateFunctions;
+use super::logger::Environment;
+use super::{Archive, Error as FmuError, Library, Model};
+use crate::log::Log;
+use crate::participant::{Description, Error, Kind, Outcome, Participant, Value, Variable};
+use std::ffi::{CStr, CString, c_int};
+use std::path::Path;
+use std::ptr::null_mut;
+use std::rc::Rc;
+
+/// One instance of an FMU. Dropping it frees its states and the instance, then unloads the library.
+pub struct FmuParticipant {
+    model: Model,
+    library: Library,
+    component: Component,
+    states: Vec<StateHandle>,
+    time: f64,
+    // Addresses of both are known to the FMU: they stay in place until the instance is freed.
+    environment: Rc<Environment>,
+    _callbacks: Rc<Callbacks>,
+    // Last, so that the files outlive the library.
+    _archive: Archive,
+}
+
+impl FmuParticipant {
+    /// Unpacks, loads and instantiates the FMU at `path` under the name `name`.
+    pub fn load(path: &Path, name: &str, log: &Log) -> Result<Self, FmuError> {
+        let archive = Archive::unpack(path)?;
+        let model = Model::parse(&archive.description()?)
+            .map_err(|reason| FmuError::Description { path: archive.path.clone(), reason })?;
+        let library = Library::load(&archive, &model.identifier, &model.description)?;
+        let environment = Rc::new(Environment { log: log.clone(), participant: name.to_string() });
+        let callbacks = Rc::new(Callbacks {
+            logger: abi::plimsoll_logger,
+            allocate_memory: abi::calloc,
+            free_memory: abi::free,
+            step_finished: None,
+            environment: Rc::as_ptr(&environment).cast_mut().cast(),
+        });
+        let component = instantiate(&library, &model, &archive, name, &callbacks);
+        if component.is_null() {
+            let message = log.take_problem().map_or_else(String::new, |text| format!(": {text}"));
+            return Err(FmuError::Instantiate { path: archive.path, instance: name.to_string(), message });
+        }
+        let states = Vec::new();
+        Ok(Self { model, library, component, states, time: 0.0, environment, _callbacks: callbacks, _archive: archive })
+    }
+
+    fn check(&self, action: impl FnOnce() -> String, status: Status) -> Result<(), Error> {
+        if status == OK || status == WARNING {
+            return Ok(());
+        }
+        Err(Error::Call {
+            participant: self.environment.participant.clone(),
+            action: action(),
+            time: self.time,
+            status: status_name(status),
+            message: self.problem(),
+        })
+    }
+
+    fn problem(&self) -> String {
+        self.environment.log.take_problem().map_or_else(String::new, |text| format!(": {text}"))
+    }
+
+    fn get_one<T: Copy>(&self, get: Get<T>, variable: &Variable, mut value: T) -> Result<T, Error> {
+        // SAFETY: one reference and room for one value of the type that the function writes.
+        let status = unsafe { get(self.component, &raw const variable.reference, 1, &raw mut value) };
+        self.check(|| format!("getting '{}'", variable.name), status)?;
+        Ok(value)
+    }
+
+    fn set_one<T>(&self, set: Set<T>, variable: &Variable, value: &T) -> Result<(), Error> {
+        // SAFETY: one reference and one value of the type that the function reads.
+        let status = unsafe { set(self.component, &raw const variable.reference, 1, value) };
+        self.check(|| format!("setting '{}'", variable.name), status)
+    }
+
+    fn state_functions(&self) -> Result<StateFunctions, Error> {
+        self.library.states.ok_or_else(|| Error::Unsupported {
+            participant: self.environment.participant.clone(),
+            capability: "canGetAndSetFMUstate".to_string(),
+            hint: "; use the coupling method 'explicit'".to_string(),
+        })
+    }
+
+    /// Names of real variables, for messages.
+    fn names(&self, references: &[u32]) -> String {
+        let real = |reference: &u32| {
+            let variables = &self.model.description.variables;
+            let found = variables.iter().find(|v| v.kind == Kind::Real && v.reference == *reference);
+            found.map_or_else(|| format!("reference {reference}"), |variable| format!("'{}'", variable.name))
+        };
+        references.iter().map(real).collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn instantiate(library: &Library, model: &Model, archive: &Archive, name: &str, callbacks: &Callbacks) -> Component {
+    let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
+    let (name, guid, resources) = (text(name), text(&model.guid), text(&archive.resource_location()));
+    // SAFETY: all strings are terminated and live through the call; the callbacks live until the instance is freed.
+    unsafe {
+        (library.instantiate)(name.as_ptr(), CO_SIMULATION, guid.as_ptr(), resources.as_ptr(), callbacks, FALSE, FALSE)
+    }
+}
+
+impl Participant for FmuParticipant {
+    fn name(&self) -> &str {
+        &self.environment.participant
+    }
+
+    fn description(&self) -> &Description {
+        &self.model.description
+    }
+
+    fn set(&mut self, variable: &Variable, value: &Value) -> Result<(), Error> {
+        match (variable.kind, value) {
+            (Kind::Real, Value::Real(value)) => self.set_one(self.library.set_real, variable, value),
+            (Kind::Real, Value::Integer(value)) => self.set_one(self.library.set_real, variable, &f64::from(*value)),
+            (Kind::Integer, Value::Integer(value)) => self.set_one(self.library.set_integer, variable, value),
+            (Kind::Boolean, Value::Boolean(value)) => {
+                self.set_one(self.library.set_boolean, variable, &if *value { TRUE } else { FALSE })
+            }
+            (Kind::String, Value::String(value)) => {
+                let text = CString::new(value.replace('\0', "")).unwrap_or_default();
+                self.set_one(self.library.set_string, variable, &text.as_ptr())
+            }
+            _ => Err(Error::WrongType {
+                participant: self.name().to_string(),
+                variable: variable.name.clone(),
+                expected: variable.kind,
+                got: value.to_string(),
+            }),
+        }
+    }
+
+    fn get(&mut self, variable: &Variable) -> Result<Value, Error> {
+        Ok(match variable.kind {
+            Kind::Real => Value::Real(self.get_one(self.library.get_real, variable, f64::NAN)?),
+            Kind::Integer => Value::Integer(self.get_one::<c_int>(self.library.get_integer, variable, 0)?),
+            Kind::Boolean => Value::Boolean(self.get_one(self.library.get_boolean, variable, FALSE)? != FALSE),
+            Kind::String => {
+                let text = self.get_one(self.library.get_string, variable, std::ptr::null())?;
+                // SAFETY: fmi2GetString gives NULL or a terminated string that lives until the next call.
+                let text = if text.is_null() { c"" } else { unsafe { CStr::from_ptr(text) } };
+                Value::String(text.to_string_lossy().into_owned())
+            }
+        })
+    }
+
+    fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Result<(), Error> {
+        debug_assert_eq!(references.len(), values.len());
+        // SAFETY: both slices have the length given.
+        let status =
+            unsafe { (self.library.set_real)(self.component, references.as_ptr(), references.len(), values.as_ptr()) };
+        self.check(|| format!("setting {}", self.names(references)), status)
+    }
+
+    fn get_reals(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
+        debug_assert_eq!(references.len(), values.len());
+        // SAFETY: both slices have the length given.
+        let status = unsafe {
+            (self.library.get_real)(self.component, references.as_ptr(), references.len(), values.as_mut_ptr())
+        };
+        self.check(|| format!("getting {}", self.names(references)), status)
+    }
+
+    fn enter_initialisation(&mut self, start: f64, stop: f64) -> Result<(), Error> {
+        self.time = start;
+        // SAFETY: the instance is alive and in the state that the standard asks for.
+        let status = unsafe { (self.library.setup_experiment)(self.component, FALSE, 0.0, start, TRUE, stop) };
+        self.check(|| "fmi2SetupExperiment".to_string(), status)?;
+        // SAFETY: as above.
+        let status = unsafe { (self.library.enter_initialisation)(self.component) };
+        self.check(|| "fmi2EnterInitializationMode".to_string(), status)
+    }
+
+    fn exit_initialisation(&mut self) -> Result<(), Error> {
+        // SAFETY: the instance is alive.
+        let status = unsafe { (self.library.exit_initialisation)(self.component) };
+        self.check(|| "fmi2ExitInitializationMode".to_string(), status)
+    }
+
+    fn step(&mut self, time: f64, duration: f64) -> Result<Outcome, Error> {
+        self.time = time;
+        // SAFETY: the instance is alive. States before this point may be restored, hence FALSE.
+        let status = unsafe { (self.library.do_step)(self.component, time, duration, FALSE) };
+        if status == DISCARD || status == ERROR {
+            return Ok(Outcome::Refused { reason: format!("{}{}", status_name(status), self.problem()) });
+        }
+        self.check(|| format!("fmi2DoStep of {duration} s"), status)?;
+        self.time = time + duration;
+        Ok(Outcome::Done)
+    }
+
+    fn save(&mut self, slot: usize) -> Result<(), Error> {
+        let functions = self.state_functions()?;
+        if self.states.len() <= slot {
+            self.states.resize(slot + 1, null_mut());
+        }
+        // SAFETY: the handle is NULL or one that this instance gave and that was not freed.
+        let status = unsafe { (functions.get)(self.component, &raw mut self.states[slot]) };
+        self.check(|| "fmi2GetFMUstate".to_string(), status)
+    }
+
+    fn restore(&mut self, slot: usize) -> Result<(), Error> {
+        let functions = self.state_functions()?;
+        let handle = self.states.get(slot).copied().unwrap_or(null_mut());
+        if handle.is_null() {
+            return Err(Error::Unsupported {
+                participant: self.name().to_string(),
+                capability: format!("a state in slot {slot}"),
+                hint: "; save one first".to_string(),
+            });
+        }
+        // SAFETY: the handle was given by this instance and not freed.
+        let status = unsafe { (functions.set)(self.component, handle) };
+        self.check(|| "fmi2SetFMUstate".to_string(), status)
+    }
+
+    fn release(&mut self) -> Result<(), Error> {
+        let Some(functions) = self.library.states else { return Ok(()) };
+        for mut handle in std::mem::take(&mut self.states) {
+            // SAFETY: the handle is NULL or one that this instance gave; it is forgotten after this call.
+            let status = unsafe { (functions.free)(self.component, &raw mut handle) };
+            self.check(|| "fmi2FreeFMUstate".to_string(), status)?;
+        }
+        Ok(())
+    }
+
+    fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        sensitivity: &mut [f64],
+    ) -> Result<(), Error> {
+        debug_assert_eq!((knowns.len(), unknowns.len()), (seed.len(), sensitivity.len()));
+        let Some(derivative) = self.library.derivative else {
+            return Err(Error::Unsupported {
+                participant: self.name().to_string(),
+                capability: "providesDirectionalDerivative".to_string(),
+                hint: "; use the coupling method 'iqn_ils'".to_string(),
+            });
+        };
+        // SAFETY: the slices have the lengths given, the seed that of the knowns, the result that of the unknowns.
+        let status = unsafe {
+            derivative(
+                self.component,
+                unknowns.as_ptr(),
+                unknowns.len(),
+                knowns.as_ptr(),
+                knowns.len(),
+                seed.as_ptr(),
+                sensitivity.as_mut_ptr(),
+            )
+        };
+        self.check(|| format!("derivative of {} by {}", self.names(unknowns), self.names(knowns)), status)
+    }
+
+    fn terminate(&mut self) -> Result<(), Error> {
+        // SAFETY: the instance is alive.
+        let status = unsafe { (self.library.terminate)(self.component) };
+        self.check(|| "fmi2Terminate".to_string(), status)
+    }
+}
+
+impl Drop for FmuParticipant {
+    fn drop(&mut self) {
+        // A failure to free has no remedy here; the message is in the log.
+        let _ = self.release();
+        // SAFETY: the instance was created by this library and is not used afterwards.
+        unsafe { (self.library.free_instance)(self.component) };
+    }
+}

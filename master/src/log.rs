@@ -1,0 +1,69 @@
+//! Messages of the participants: all go to a file, warnings and errors also to the terminal.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Severity of a message, as in the FMI status codes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// For the record.
+    Information,
+    /// Something a user should know.
+    Warning,
+    /// Something failed.
+    Error,
+}
+
+impl Level {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Information => "information",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+/// Where messages go; clones share one destination.
+#[derive(Debug, Clone, Default)]
+pub struct Log {
+    sink: Arc<Mutex<Sink>>,
+}
+
+#[derive(Debug, Default)]
+struct Sink {
+    file: Option<File>,
+    terminal: bool,
+    last_problem: Option<String>,
+}
+
+impl Log {
+    /// Writes to a new file at `path`, and warnings and errors to the terminal when `terminal` is set.
+    pub fn to_file(path: &Path, terminal: bool) -> std::io::Result<Self> {
+        let file = File::create(path)?;
+        Ok(Self { sink: Arc::new(Mutex::new(Sink { file: Some(file), terminal, last_problem: None })) })
+    }
+
+    /// Records one message of a participant.
+    pub fn write(&self, participant: &str, level: Level, category: &str, text: &str) {
+        let mut sink = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
+        let line = format!("{participant} [{}] {category}: {}", level.word(), text.trim_end());
+        if let Some(file) = &mut sink.file {
+            // A full disk must not end the run; the results writer reports it.
+            let _ = writeln!(file, "{line}");
+        }
+        if level >= Level::Warning {
+            if sink.terminal {
+                eprintln!("{line}");
+            }
+            sink.last_problem = Some(text.trim_end().to_string());
+        }
+    }
+
+    /// Takes the last warning or error, so that it can be quoted in the error it explains.
+    pub fn take_problem(&self) -> Option<String> {
+        self.sink.lock().unwrap_or_else(PoisonError::into_inner).last_problem.take()
+    }
+}
