@@ -1,7 +1,7 @@
 //! The equations of motion `M(x) xdd + h(x, xd) + grad V(x) + C xd = Q` and their exact derivatives.
 
 use crate::Parameters;
-use kinematics::RIGID;
+use kinematics::{Motion, RIGID};
 use nalgebra::{DMatrix, DVector, DVectorView, Vector2};
 
 /// The Lagrangian of the cabin with its beam, free of any time integration.
@@ -132,6 +132,29 @@ impl Dynamics {
             let centrifugal = spin * spin * (self.middle.x * self.psi0[i] - q[i]);
             let weight = -self.gravity * pose.e1.y * self.psi0[i];
             out[RIGID + i] = centrifugal + weight + self.squared_frequencies[i] * q[i] + self.damping[i] * qd[i];
+        }
+    }
+
+    /// Adds to `out`, n, the size of every force that `M xdd` and [`Dynamics::restoring_force`] are summed up from.
+    ///
+    /// The sums themselves vanish in equilibrium; these do not, and so tell how much of a residual is more than rounding.
+    /// `mass` is M at this position.
+    pub(crate) fn add_force_sizes(&self, motion: &Motion, mass: &DMatrix<f64>, out: &mut DVector<f64>) {
+        let (q, qd) = (modal(&motion.position), modal(&motion.velocity));
+        let (spin, drift) = (motion.velocity[2].abs(), self.psi0.dot(&qd).abs());
+        let moment = self.pose(&motion.position).moment.norm();
+        for (row, entry) in out.iter_mut().enumerate() {
+            let terms = motion.acceleration.iter().enumerate().map(|(column, a)| (mass[(row, column)] * a).abs());
+            *entry += terms.sum::<f64>();
+        }
+        let rigid = spin * (spin * moment + 2.0 * drift);
+        out[0] += rigid;
+        out[1] += rigid + self.mass * self.gravity;
+        out[2] += 2.0 * spin * (q.dot(&qd).abs() + self.middle.x.abs() * drift) + self.gravity * moment;
+        for i in 0..self.modes() {
+            let centrifugal = spin * spin * ((self.middle.x * self.psi0[i]).abs() + q[i].abs());
+            let bending = self.squared_frequencies[i] * q[i].abs() + self.damping[i] * qd[i].abs();
+            out[RIGID + i] += centrifugal + self.gravity * self.psi0[i].abs() + bending;
         }
     }
 

@@ -77,7 +77,7 @@ pub enum Error {
         duration: f64,
         /// Iterations made.
         iterations: usize,
-        /// Residual force over the sum of forces, both in the norm of the inverse mass matrix.
+        /// Residual force over the sizes of all forces, both weighted by the diagonal of the mass matrix.
         residual: f64,
         /// What it should have come down to.
         tolerance: f64,

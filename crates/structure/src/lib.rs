@@ -13,6 +13,7 @@
 
 mod dynamics;
 mod error;
+mod newton;
 mod parameters;
 mod scheme;
 mod sensitivity;

@@ -38,14 +38,14 @@ impl Scheme {
         }
     }
 
-    /// Position and velocity of `end` from the start, the start acceleration and the acceleration that `end` holds.
-    pub(crate) fn advance(&self, start: &Motion, start_acceleration: &DVector<f64>, duration: f64, end: &mut Motion) {
+    /// The end of the step if the acceleration stays what it is at the start.
+    pub(crate) fn predict(&self, start: &Motion, start_acceleration: &DVector<f64>, duration: f64, end: &mut Motion) {
         let square = duration * duration;
-        for k in 0..end.position.len() {
-            let (a0, a1) = (start_acceleration[k], end.acceleration[k]);
-            let (x0, v0) = (start.position[k], start.velocity[k]);
-            end.position[k] = x0 + duration * v0 + square * ((0.5 - self.beta) * a0 + self.beta * a1);
-            end.velocity[k] = v0 + duration * ((1.0 - self.gamma) * a0 + self.gamma * a1);
+        for (k, &acceleration) in start_acceleration.iter().enumerate() {
+            let (position, velocity) = (start.position[k], start.velocity[k]);
+            end.position[k] = position + duration * velocity + 0.5 * square * acceleration;
+            end.velocity[k] = velocity + duration * acceleration;
+            end.acceleration[k] = acceleration;
         }
     }
 

@@ -1,11 +1,11 @@
-//! One step: equilibrium at the start, Newton-Raphson on the exact tangent, then commit.
+//! One step: equilibrium at the start, Newton-Raphson, then commit.
 
 use crate::error::{coordinate_name, load_name};
 use crate::scheme::Scheme;
-use crate::system::{FreeCoordinates, force_norm};
+use crate::system::FreeCoordinates;
 use crate::{Dynamics, Error, Parameters, Report, State, Workspace};
 use kinematics::{Motion, RIGID};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
+use nalgebra::{Cholesky, DVector, Dyn, Vector2};
 
 /// Integrates a cabin with a beam under generalised loads.
 ///
@@ -17,7 +17,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
 /// dr/da1 = (1 - alpha_m) M + (1 - alpha_f) (gamma H df/dv + beta H^2 d(M a + f)/dx),
 /// ```
 ///
-/// until `|r| <= tolerance (|M a| + |f| + |Q|)` in the norm of M^-1. Locked coordinates keep their place and have no row.
+/// until `|r| <= tolerance (sum of the sizes of all forces at both ends of the step)`, each entry weighted with 1/sqrt(M_kk).
+/// Locked coordinates keep their place and have no row.
 #[derive(Debug, Clone)]
 pub struct Solver {
     parameters: Parameters,
@@ -94,7 +95,7 @@ impl Solver {
         let held = DVector::from_column_slice(load);
         let mass = self.mass_at(&state.motion.position, state.time, workspace)?;
         let start = self.start_acceleration(state, &held, &mass, workspace);
-        let report = self.iterate(state, &start, &held, duration, &mass, workspace)?;
+        let report = self.iterate(state, &start, &held, duration, workspace)?;
         let acceleration = self.end_acceleration(state.time, &held, workspace)?;
         // From here on nothing can fail.
         state.algorithmic_acceleration = self.scheme.remembers.then(|| workspace.end.acceleration.clone());
@@ -190,84 +191,6 @@ impl Solver {
         let position = workspace.end.position.clone();
         let mass = self.mass_at(&position, time, workspace)?;
         Ok(self.equilibrium(&workspace.end, load, &mass, &mut workspace.restoring))
-    }
-
-    /// Newton-Raphson; leaves the result in `workspace.end`.
-    fn iterate(
-        &self,
-        state: &State,
-        start: &DVector<f64>,
-        load: &DVector<f64>,
-        duration: f64,
-        mass: &Cholesky<f64, Dyn>,
-        workspace: &mut Workspace,
-    ) -> Result<Report, Error> {
-        let tolerance = self.parameters.tolerance;
-        workspace.end.acceleration.copy_from(start);
-        let mut iterations = 0;
-        loop {
-            self.scheme.advance(&state.motion, start, duration, &mut workspace.end);
-            self.scheme.point(&state.motion, start, &workspace.end, &mut workspace.point);
-            let (force, residual) = self.residual(load, mass, workspace);
-            if residual <= tolerance {
-                return Ok(Report { iterations, residual });
-            }
-            if iterations == self.parameters.maximum_iterations || !residual.is_finite() {
-                return Err(Error::NotConverged { time: state.time, duration, iterations, residual, tolerance });
-            }
-            self.correct(force, duration, state.time, workspace)?;
-            iterations += 1;
-        }
-    }
-
-    /// Residual force of the free coordinates at `workspace.point`, and its relative size.
-    fn residual(
-        &self,
-        load: &DVector<f64>,
-        mass: &Cholesky<f64, Dyn>,
-        workspace: &mut Workspace,
-    ) -> (DVector<f64>, f64) {
-        let point = &workspace.point;
-        self.dynamics.mass_matrix(&point.position, &mut workspace.mass);
-        self.dynamics.restoring_force(&point.position, &point.velocity, &mut workspace.restoring);
-        let inertial = self.free.gather(&(&workspace.mass * &point.acceleration));
-        let restoring = self.free.gather(&workspace.restoring);
-        let held = self.free.gather(load);
-        let scale = force_norm(mass, &inertial) + force_norm(mass, &restoring) + force_norm(mass, &held);
-        let force = inertial + restoring - held;
-        let size = force_norm(mass, &force);
-        let relative = if size == 0.0 { 0.0 } else { size / scale };
-        (force, relative)
-    }
-
-    /// One Newton correction of `workspace.end.acceleration`.
-    fn correct(
-        &self,
-        mut force: DVector<f64>,
-        duration: f64,
-        time: f64,
-        workspace: &mut Workspace,
-    ) -> Result<(), Error> {
-        let tangent = self.tangent(duration, workspace);
-        if !tangent.lu().solve_mut(&mut force) {
-            return Err(Error::Singular { matrix: "tangent", size: self.free.count(), time });
-        }
-        let mut correction = DVector::zeros(workspace.end.acceleration.len());
-        self.free.scatter(&force, &mut correction);
-        workspace.end.acceleration -= correction;
-        Ok(())
-    }
-
-    /// dr/da1 of the free coordinates at `workspace.point`, whose mass matrix the workspace already holds.
-    pub(crate) fn tangent(&self, duration: f64, workspace: &mut Workspace) -> DMatrix<f64> {
-        let point = &workspace.point;
-        let (position, velocity) = (&point.position, &point.velocity);
-        self.dynamics.stiffness(position, velocity, &point.acceleration, &mut workspace.stiffness);
-        self.dynamics.velocity_tangent(position, velocity, &mut workspace.velocity_tangent);
-        let scheme = &self.scheme;
-        let by_motion = scheme.gamma * duration * self.free.gather_matrix(&workspace.velocity_tangent)
-            + scheme.beta * duration * duration * self.free.gather_matrix(&workspace.stiffness);
-        (1.0 - scheme.alpha_m) * self.free.gather_matrix(&workspace.mass) + (1.0 - scheme.alpha_f) * by_motion
     }
 
     pub(crate) fn check(&self, state: &State, load: &[f64], duration: f64) -> Result<(), Error> {

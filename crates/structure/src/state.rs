@@ -26,6 +26,10 @@ pub struct Workspace {
     pub(crate) velocity_tangent: DMatrix<f64>,
     /// h + grad V + C xd, at the point last evaluated.
     pub(crate) restoring: DVector<f64>,
+    /// Residual M a + f - Q, at the point last evaluated.
+    pub(crate) residual: DVector<f64>,
+    /// Sizes of the forces at the start of the step, and there and at the end.
+    pub(crate) sizes: [DVector<f64>; 2],
     /// Motion at the end of the step, as far as the iteration has it.
     pub(crate) end: Motion,
     /// Motion at which equilibrium is asked for: the end, or a point before it with generalised-alpha.
@@ -42,6 +46,8 @@ impl Workspace {
             stiffness: matrix.clone(),
             velocity_tangent: matrix,
             restoring: DVector::zeros(size),
+            residual: DVector::zeros(size),
+            sizes: [DVector::zeros(size), DVector::zeros(size)],
             end: motion.clone(),
             point: motion,
         }
@@ -53,7 +59,7 @@ impl Workspace {
 pub struct Report {
     /// Newton-Raphson iterations (linear systems solved).
     pub iterations: usize,
-    /// Last relative residual: residual force over the sum of forces, both in the norm of the inverse mass matrix.
+    /// Last relative residual: residual force over the sizes of all forces, both weighted by the diagonal of the mass matrix.
     pub residual: f64,
 }
 

@@ -1,7 +1,7 @@
 //! The system of the free coordinates: gathered from the full one, which it does not change in any other way.
 
 use kinematics::RIGID;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 /// Which coordinates are solved for, in rising order.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,12 +24,23 @@ impl FreeCoordinates {
         self.indices.contains(&index)
     }
 
+    /// sqrt(sum f_k^2/M_kk) over the free coordinates: a measure in which forces, moments and modal forces add up.
+    pub(crate) fn force_norm(&self, force: &DVector<f64>, mass: &DMatrix<f64>) -> f64 {
+        let square = |&index: &usize| force[index] * force[index] / mass[(index, index)];
+        self.indices.iter().map(square).sum::<f64>().sqrt()
+    }
+
     pub(crate) fn gather(&self, full: &DVector<f64>) -> DVector<f64> {
         DVector::from_iterator(self.count(), self.indices.iter().map(|&index| full[index]))
     }
 
     pub(crate) fn gather_matrix(&self, full: &DMatrix<f64>) -> DMatrix<f64> {
-        DMatrix::from_fn(self.count(), self.count(), |row, column| full[(self.indices[row], self.indices[column])])
+        self.gather_with(|row, column| full[(row, column)])
+    }
+
+    /// The reduced matrix whose entries are given for the rows and columns of the full one.
+    pub(crate) fn gather_with(&self, entry: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+        DMatrix::from_fn(self.count(), self.count(), |row, column| entry(self.indices[row], self.indices[column]))
     }
 
     /// The full vector with zeros at the locked coordinates.
@@ -50,12 +61,4 @@ impl FreeCoordinates {
         }
         full
     }
-}
-
-/// Norm of a force in the inverse mass matrix, sqrt(r.M^-1 r): the one measure in which forces, moments and modal forces add up.
-pub(crate) fn force_norm(mass: &Cholesky<f64, Dyn>, force: &DVector<f64>) -> f64 {
-    let mut scaled = force.clone();
-    // A Cholesky factor has a positive diagonal, so this cannot fail; a non-finite force shows in the norm.
-    mass.l_dirty().solve_lower_triangular_mut(&mut scaled);
-    scaled.norm()
 }
