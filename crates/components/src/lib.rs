@@ -1,1 +1,23 @@
-//! components
+//! The fluid and the structure as FMI components: what a scene means to them, their tables of variables, their field
+//! frames. The numerics are in the crates `fluid`, `structure` and `kinematics`, which know neither FMI nor files.
+//!
+//! Used by the two FMU shells, and in process by whoever wants the same bits without the C ABI:
+//! `fmi2::Instance::<components::FluidComponent>::new(..)`.
+
+pub mod conversion;
+mod error;
+mod fluid_component;
+pub mod frames;
+mod interface;
+mod quantities;
+mod scenes;
+mod structure_component;
+
+pub use error::Error;
+pub use fluid_component::FluidComponent;
+pub use interface::{ACCELERATION, LOAD, POSITION, VELOCITY};
+pub use scenes::find_scene;
+pub use structure_component::StructureComponent;
+
+/// Modes with which the committed descriptions are packed.
+pub const DEFAULT_MODES: usize = 3;

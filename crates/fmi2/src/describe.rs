@@ -294,3 +294,14 @@ pub fn markdown<C>(model: &Model<C>) -> String {
     }
     text
 }
+
+const BEGIN: &str = "<!-- table of variables: generated -->\n";
+const END: &str = "<!-- end of the table -->";
+
+/// `document` with the text between the two markers of the table replaced.
+pub fn with_table(document: &str, table: &str) -> Result<String, Failure> {
+    let missing = |marker: &str| Failure::refused(format!("the document has no line '{}'", marker.trim()));
+    let (before, rest) = document.split_once(BEGIN).ok_or_else(|| missing(BEGIN))?;
+    let (_, after) = rest.split_once(END).ok_or_else(|| missing(END))?;
+    Ok(format!("{before}{BEGIN}{table}{END}{after}"))
+}

@@ -148,11 +148,8 @@ impl<C: Component> Instance<C> {
     /// Builds the initial state anew when parameters changed since.
     pub(crate) fn refresh(&mut self) -> Result<(), Failure> {
         if self.stale && self.mode == Mode::Initialization {
-            self.component.initialise(&self.experiment, &self.logger).map_err(|failure| Failure {
-                breaks_instance: true,
-                status: Status::ERROR,
-                ..failure
-            })?;
+            let result = self.component.initialise(&self.experiment, &self.logger).map_err(broken);
+            self.note(result)?;
             self.stale = false;
         }
         Ok(())
@@ -233,11 +230,8 @@ impl<C: Component> Instance<C> {
     /// fmi2SetFMUstate.
     pub fn set_state(&mut self, snapshot: &Snapshot<C::State>) -> Result<(), Failure> {
         self.allow(Function::SetFmuState)?;
-        self.component.restore(&snapshot.component).map_err(|failure| Failure {
-            breaks_instance: true,
-            status: Status::ERROR,
-            ..failure
-        })?;
+        let result = self.component.restore(&snapshot.component).map_err(broken);
+        self.note(result)?;
         self.mode = snapshot.mode;
         self.experiment = Experiment { start: snapshot.start, stop: snapshot.stop, tolerance: snapshot.tolerance };
         self.time = snapshot.time;

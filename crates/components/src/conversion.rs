@@ -1,0 +1,158 @@
+//! What the parts of a scene mean to the numerics.
+
+use crate::Error;
+use kinematics::{BeamModes, Body};
+use nalgebra::Vector2;
+use scene::{Beam, Freedom, Point, Scene, Structure, Wall};
+
+fn vector(point: Point) -> Vector2<f64> {
+    Vector2::new(point[0], point[1])
+}
+
+fn vectors(points: &[Point]) -> Vec<Vector2<f64>> {
+    points.iter().copied().map(vector).collect()
+}
+
+/// A closed wall comes back to its first point.
+fn polyline(wall: &Wall) -> Vec<Vector2<f64>> {
+    let mut points = vectors(&wall.points);
+    if wall.closed {
+        points.extend(points.first().copied());
+    }
+    points
+}
+
+fn beam_modes(beam: &Beam) -> Result<BeamModes, Error> {
+    let support = match beam.support {
+        scene::Support::FixedFixed => kinematics::Support::FixedFixed,
+        scene::Support::ClampedFree => kinematics::Support::ClampedFree,
+    };
+    Ok(BeamModes::new(support, beam.length, beam.line_density(), beam.modes)?)
+}
+
+/// Number of modes of the scene's beam; 0 without one.
+pub fn modes(scene: &Scene) -> usize {
+    scene.structure.as_ref().and_then(|structure| structure.beam.as_ref()).map_or(0, |beam| beam.modes)
+}
+
+/// Modal coordinates at the start, one per mode \[m sqrt(kg/m)\].
+pub fn initial_modes(scene: &Scene) -> Vec<f64> {
+    let beam = scene.structure.as_ref().and_then(|structure| structure.beam.as_ref());
+    let mut initial = beam.map_or_else(Vec::new, |beam| beam.initial_modes.clone());
+    initial.resize(modes(scene), 0.0);
+    initial
+}
+
+/// The moving body; none in a scene of the fluid alone.
+pub fn body(scene: &Scene) -> Result<Option<Body>, Error> {
+    let Some(structure) = &scene.structure else { return Ok(None) };
+    let beam = match &structure.beam {
+        None => None,
+        Some(beam) => {
+            Some(kinematics::Beam { middle: vector(beam.middle), thickness: beam.thickness, modes: beam_modes(beam)? })
+        }
+    };
+    let walls = structure.wall.iter().map(polyline).collect();
+    let body = Body { origin: vector(structure.origin), angle: structure.angle, walls, beam };
+    body.validate()?;
+    Ok(Some(body))
+}
+
+/// Parameters of the structure's solver.
+pub fn structure(scene: &Scene) -> Result<structure::Parameters, Error> {
+    let missing = || Error::MissingPart { title: scene.title.clone(), part: "structure" };
+    let structure = scene.structure.as_ref().ok_or_else(missing)?;
+    if scene.gravity[0] != 0.0 || scene.gravity[1] > 0.0 {
+        return Err(Error::Value {
+            key: "gravity".to_string(),
+            got: format!("{:?}", scene.gravity),
+            expected: "[0, -g] in a scene with a structure: its weight acts along -Y".to_string(),
+        });
+    }
+    let beam = match &structure.beam {
+        None => None,
+        Some(beam) => {
+            let mut damping_ratios = beam.damping.clone();
+            damping_ratios.resize(beam.modes, 0.0);
+            Some(structure::BeamParameters {
+                modes: beam_modes(beam)?,
+                middle: vector(beam.middle),
+                bending_stiffness: beam.bending_stiffness(),
+                damping_ratios,
+            })
+        }
+    };
+    let freedoms = [Freedom::X, Freedom::Y, Freedom::Theta];
+    Ok(structure::Parameters {
+        rigid_mass: structure.mass,
+        rigid_inertia: structure.inertia,
+        gravity: -scene.gravity[1],
+        angle: structure.angle,
+        beam,
+        free: freedoms.map(|freedom| structure.free.contains(&freedom)),
+        integrator: integrator(structure),
+        tolerance: 1e-11,
+        maximum_iterations: 20,
+    })
+}
+
+fn integrator(structure: &Structure) -> structure::Integrator {
+    match structure.integrator.rho_infinity {
+        Some(rho_infinity) => structure::Integrator::GeneralisedAlpha { rho_infinity },
+        None => structure::Integrator::Newmark { beta: structure.integrator.beta, gamma: structure.integrator.gamma },
+    }
+}
+
+/// Parameters and geometry of the fluid's solver.
+pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Error> {
+    let missing = || Error::MissingPart { title: scene.title.clone(), part: "fluid" };
+    let part = scene.fluid.as_ref().ok_or_else(missing)?;
+    let geometry = fluid::Geometry {
+        water: part.water.iter().map(|water| vectors(&water.polygon)).collect(),
+        fixed_walls: part.wall.iter().map(polyline).collect(),
+        body: body(scene)?,
+        probes: part.probe.iter().flat_map(|probe| vectors(&probe.points())).collect(),
+        regions: part.region.iter().map(|region| vectors(&region.polygon)).collect(),
+    };
+    let parameters = fluid::Parameters {
+        density: part.density,
+        gravity: vector(scene.gravity),
+        spacing: part.spacing,
+        scheme: match part.scheme {
+            scene::Scheme::Paper => fluid::Scheme::Paper(paper(&part.paper)),
+        },
+        solve: fluid::SolveParameters {
+            tolerance: solve_tolerance(scene, part.solve.tolerance),
+            maximum_iterations: part.solve.maximum_iterations,
+        },
+        threads: part.threads,
+    };
+    Ok((parameters, geometry))
+}
+
+/// Free flow needs 1e-3 only; the loads on a body that answers to them must be as good as the coupling's tolerance.
+fn solve_tolerance(scene: &Scene, given: f64) -> f64 {
+    let moves = scene.structure.as_ref().is_some_and(|structure| !structure.free.is_empty()) || modes(scene) > 0;
+    match given {
+        tolerance if tolerance > 0.0 => tolerance,
+        _ if moves => 1e-8,
+        _ => 1e-3,
+    }
+}
+
+fn paper(paper: &scene::Paper) -> fluid::PaperParameters {
+    fluid::PaperParameters {
+        influence_radius: paper.influence_radius,
+        alpha: paper.alpha,
+        source: match paper.source {
+            scene::Source::Mixed => fluid::Source::Mixed,
+            scene::Source::Adaptive => fluid::Source::Adaptive,
+        },
+        courant: paper.courant,
+        shifting: paper.shifting,
+        collision_distance: paper.collision_distance,
+        restitution: paper.restitution,
+        surface_density: paper.surface_density,
+        surface_deviation: paper.surface_deviation,
+    }
+}

@@ -1,0 +1,66 @@
+//! What can go wrong between a scene and a component.
+
+use thiserror::Error;
+
+/// A scene that a component cannot use, or a frame that cannot be written.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// The scene is neither a file nor a packed scene.
+    #[error("scene '{name}' not found: {reason}")]
+    SceneNotFound {
+        /// Name as given.
+        name: String,
+        /// Where was looked, and what there is.
+        reason: String,
+    },
+    /// The scene file is wrong.
+    #[error(transparent)]
+    Scene(#[from] scene::Error),
+    /// The scene has no part for this component.
+    #[error("scene '{title}' has no [{part}]: choose another scene or add the table")]
+    MissingPart {
+        /// Title of the scene.
+        title: String,
+        /// Missing table.
+        part: &'static str,
+    },
+    /// The scene asks for more than the interface carries.
+    #[error("{what}: the scene has {got}, the interface of this FMU carries {limit}{hint}")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// Number in the scene.
+        got: usize,
+        /// Number carried.
+        limit: usize,
+        /// What to change.
+        hint: &'static str,
+    },
+    /// A value that this component cannot use.
+    #[error("{key} = {got}: expected {expected}")]
+    Value {
+        /// Key in the scene or name of the parameter.
+        key: String,
+        /// Value found.
+        got: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// Geometry that kinematics refuses.
+    #[error(transparent)]
+    Kinematics(#[from] kinematics::Error),
+    /// Parameters or a step that the structure refuses.
+    #[error(transparent)]
+    Structure(#[from] structure::Error),
+    /// Parameters or a step that the fluid refuses.
+    #[error(transparent)]
+    Fluid(#[from] fluid::Error),
+    /// A field frame that cannot be written or read.
+    #[error("field frame {path}: {reason}")]
+    Frame {
+        /// Path of the file.
+        path: String,
+        /// What the system or the library said.
+        reason: String,
+    },
+}

@@ -1,0 +1,224 @@
+//! The fluid: water between fixed walls and around a body whose motion comes from outside.
+
+mod machinery;
+mod table;
+
+use crate::interface::{COORDINATES, MotionValues};
+use crate::{Error, conversion, find_scene};
+use fluid::Observables;
+use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
+use kinematics::MAXIMUM_MODES;
+use machinery::Machinery;
+use scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::cell::OnceCell;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Probe points that the interface carries.
+pub(crate) const PROBES: usize = 16;
+/// Regions that the interface carries.
+pub(crate) const REGIONS: usize = 4;
+
+/// Parameters of the FMU; zeros and empty texts mean "as the scene says".
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Parameters {
+    scene: String,
+    overrides: String,
+    particle_spacing: f64,
+    threads: i32,
+    output_directory: String,
+    output_interval: f64,
+}
+
+/// What the solver said of the last step.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct StepReport {
+    iterations: i32,
+    substeps: i32,
+    suggested_step: f64,
+}
+
+/// What the scene became and where it stands.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Progress {
+    scene: Arc<Scene>,
+    start: f64,
+    state: fluid::State,
+    report: StepReport,
+}
+
+/// Everything that decides the next step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    parameters: Parameters,
+    motion: MotionValues,
+    progress: Option<Progress>,
+}
+
+/// Seconds spent by this instance, repeated steps included.
+#[derive(Debug, Clone, Copy, Default)]
+struct Seconds {
+    stages: fluid::StageTimes,
+    output: f64,
+}
+
+/// The fluid as a component.
+pub struct FluidComponent {
+    modes: usize,
+    resources: Option<PathBuf>,
+    state: State,
+    machinery: Option<Machinery>,
+    seconds: Seconds,
+    /// Figures of the present state, computed when the first of them is read.
+    observed: OnceCell<Observables>,
+}
+
+impl FluidComponent {
+    fn resolve_scene(&self) -> Result<Scene, Error> {
+        let parameters = &self.state.parameters;
+        let mut scene = find_scene(&parameters.scene, &parameters.overrides, self.resources.as_deref())?;
+        let missing = || Error::MissingPart { title: scene.title.clone(), part: "fluid" };
+        if scene.fluid.is_none() {
+            return Err(missing());
+        }
+        if let Some(part) = &mut scene.fluid {
+            if parameters.particle_spacing > 0.0 {
+                part.spacing = parameters.particle_spacing;
+            }
+            if let Ok(threads @ 1..) = usize::try_from(parameters.threads) {
+                part.threads = threads;
+            }
+        }
+        Ok(scene)
+    }
+
+    fn prepare(&mut self, start: f64) -> Result<(), Error> {
+        let scene = Arc::new(self.resolve_scene()?);
+        let machinery = Machinery::new(Arc::clone(&scene), self.modes, &self.state.parameters, start)?;
+        let mut state = machinery.solver.initial_state();
+        state.time = start;
+        for (entry, value) in state.motion.position.iter_mut().skip(kinematics::RIGID).zip(initial_modes(&scene)) {
+            *entry = value;
+        }
+        self.observed = OnceCell::new();
+        self.state.progress = Some(Progress { scene, start, state, report: StepReport::default() });
+        self.machinery = Some(machinery);
+        Ok(())
+    }
+
+    /// Figures of the present state; none before initialisation.
+    fn observables(&self) -> Option<&Observables> {
+        let (machinery, progress) = (self.machinery.as_ref()?, self.state.progress.as_ref()?);
+        Some(self.observed.get_or_init(|| machinery.solver.observe(&progress.state)))
+    }
+
+    fn load(&self, index: usize) -> f64 {
+        let load = self.state.progress.as_ref().and_then(|progress| progress.state.load.get(index));
+        load.copied().unwrap_or(0.0)
+    }
+}
+
+fn initial_modes(scene: &Scene) -> Vec<f64> {
+    conversion::initial_modes(scene)
+}
+
+fn not_initialised() -> Failure {
+    Failure::broken("the fluid is not initialised: call fmi2EnterInitializationMode before")
+}
+
+impl Component for FluidComponent {
+    type State = State;
+
+    fn variants() -> RangeInclusive<usize> {
+        0..=MAXIMUM_MODES
+    }
+
+    fn model(variant: usize) -> Model<Self> {
+        table::model(variant)
+    }
+
+    fn new(setup: &Setup) -> Self {
+        debug_assert!(setup.variant + kinematics::RIGID <= COORDINATES);
+        Self {
+            modes: setup.variant,
+            resources: setup.resources.clone(),
+            state: State { parameters: Parameters::default(), motion: MotionValues::default(), progress: None },
+            machinery: None,
+            seconds: Seconds::default(),
+            observed: OnceCell::new(),
+        }
+    }
+
+    fn initialise(&mut self, experiment: &Experiment, log: &Logger) -> Result<(), Failure> {
+        self.prepare(experiment.start).map_err(|error| Failure::broken(error.to_string()))?;
+        if let Some(progress) = &self.state.progress {
+            let count = progress.state.positions.len();
+            log.event(&format!("fluid of '{}' with {count} particles is ready", progress.scene.title));
+        }
+        Ok(())
+    }
+
+    fn do_step(&mut self, time: f64, step: f64, _log: &Logger) -> Result<(), Failure> {
+        let (Some(machinery), Some(progress)) = (&mut self.machinery, &mut self.state.progress) else {
+            return Err(not_initialised());
+        };
+        machinery.write_due(&progress.state, time, &mut self.seconds.output)?;
+        let end = self.state.motion.motion(machinery.solver.modes());
+        progress.state.time = time;
+        let report = machinery
+            .solver
+            .step(&mut progress.state, &end, step, &mut machinery.workspace)
+            .map_err(|error| Failure::discard(error.to_string()))?;
+        progress.state.time = time + step;
+        progress.report = StepReport {
+            iterations: i32::try_from(report.iterations).unwrap_or(i32::MAX),
+            substeps: i32::try_from(report.substeps).unwrap_or(i32::MAX),
+            suggested_step: report.suggested_step,
+        };
+        self.seconds.add(&report.stages);
+        self.observed = OnceCell::new();
+        Ok(())
+    }
+
+    fn terminate(&mut self, _log: &Logger) -> Result<(), Failure> {
+        let (Some(machinery), Some(progress)) = (&mut self.machinery, &self.state.progress) else { return Ok(()) };
+        machinery.write_last(&progress.state, &mut self.seconds.output)
+    }
+
+    fn save(&self) -> State {
+        self.state.clone()
+    }
+
+    fn restore(&mut self, state: &State) -> Result<(), Failure> {
+        self.observed = OnceCell::new();
+        let Some(progress) = &state.progress else {
+            self.state = state.clone();
+            self.machinery = None;
+            return Ok(());
+        };
+        let same_parameters = self.state.parameters == state.parameters;
+        let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
+        self.state.clone_from(state);
+        if !(same_parameters && kept) {
+            let machinery = Machinery::new(Arc::clone(&progress.scene), self.modes, &state.parameters, progress.start);
+            self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
+        }
+        Ok(())
+    }
+
+    fn derivatives(&mut self, _unknowns: &[Reference], _knowns: &[Reference]) -> Result<Vec<f64>, Failure> {
+        Err(Failure::refused("the fluid gives no directional derivatives"))
+    }
+}
+
+impl Seconds {
+    fn add(&mut self, stages: &fluid::StageTimes) {
+        self.stages.neighbours += stages.neighbours;
+        self.stages.assembly += stages.assembly;
+        self.stages.solve += stages.solve;
+        self.stages.gradient += stages.gradient;
+        self.stages.other += stages.other;
+    }
+}

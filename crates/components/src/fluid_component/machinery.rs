@@ -1,0 +1,102 @@
+//! What follows from the scene and needs no saving: solver, scratch, field frames.
+
+use super::{PROBES, Parameters, REGIONS};
+use crate::frames::{Field, Frame, Series, single, write_frame};
+use crate::{Error, conversion};
+use fmi2::Failure;
+use scene::Scene;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+pub(super) struct Machinery {
+    scene: Arc<Scene>,
+    pub(super) solver: fluid::Solver,
+    pub(super) workspace: fluid::Workspace,
+    series: Option<Series>,
+}
+
+impl Machinery {
+    pub(super) fn new(scene: Arc<Scene>, modes: usize, parameters: &Parameters, start: f64) -> Result<Self, Error> {
+        let (numbers, geometry) = conversion::fluid(&scene)?;
+        let beam = conversion::modes(&scene);
+        within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
+        within("pressure probe points", geometry.probes.len(), PROBES, "; remove some of fluid.probe")?;
+        within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;
+        let walls = geometry.fixed_walls.clone();
+        let solver = fluid::Solver::new(numbers, geometry)?;
+        let series = series(&scene, parameters, start)?;
+        if series.is_some() {
+            write_frame(&Path::new(&parameters.output_directory).join("walls.vtu"), outline(&walls))?;
+        }
+        Ok(Self { workspace: solver.workspace(), solver, series, scene })
+    }
+
+    /// Whether this was made for an equal scene.
+    pub(super) fn fits(&self, scene: &Arc<Scene>) -> bool {
+        Arc::ptr_eq(&self.scene, scene) || self.scene == *scene
+    }
+
+    /// Writes the frame that is due at the start of a step; adds the seconds that it took.
+    pub(super) fn write_due(&mut self, state: &fluid::State, time: f64, seconds: &mut f64) -> Result<(), Failure> {
+        let number = self.series.as_ref().and_then(|series| series.due(time));
+        self.write(number, state, time, seconds)
+    }
+
+    /// Writes the last frame.
+    pub(super) fn write_last(&mut self, state: &fluid::State, seconds: &mut f64) -> Result<(), Failure> {
+        let number = self.series.as_ref().and_then(|series| series.due_at_end(state.time));
+        self.write(number, state, state.time, seconds)
+    }
+
+    fn write(
+        &mut self,
+        number: Option<u64>,
+        state: &fluid::State,
+        time: f64,
+        seconds: &mut f64,
+    ) -> Result<(), Failure> {
+        let (Some(number), Some(series)) = (number, &mut self.series) else { return Ok(()) };
+        let clock = Instant::now();
+        let result = series.write(number, time, particles(state));
+        *seconds += clock.elapsed().as_secs_f64();
+        result.map_err(|error| Failure::broken(error.to_string()))
+    }
+}
+
+fn within(what: &'static str, got: usize, limit: usize, hint: &'static str) -> Result<(), Error> {
+    if got > limit { Err(Error::TooMany { what, got, limit, hint }) } else { Ok(()) }
+}
+
+fn series(scene: &Scene, parameters: &Parameters, start: f64) -> Result<Option<Series>, Error> {
+    let given = parameters.output_interval;
+    let interval = if given > 0.0 { given } else { scene.output.interval };
+    if parameters.output_directory.is_empty() || interval <= 0.0 {
+        return Ok(None);
+    }
+    Series::new(Path::new(&parameters.output_directory), "particles", start, interval).map(Some)
+}
+
+fn particles(state: &fluid::State) -> Frame {
+    let numbers = |values: &[f64]| values.iter().map(|&value| value as f32).collect();
+    Frame {
+        points: state.positions.iter().map(single).collect(),
+        lines: Vec::new(),
+        fields: vec![
+            Field::Scalar("pressure", numbers(&state.pressures)),
+            Field::Vector("velocity", state.velocities.iter().map(single).collect()),
+            Field::Scalar("number_density", numbers(&state.number_densities)),
+            Field::Flag("surface", state.surface.iter().map(|&surface| u8::from(surface)).collect()),
+        ],
+    }
+}
+
+fn outline(walls: &[Vec<nalgebra::Vector2<f64>>]) -> Frame {
+    let mut frame = Frame::default();
+    for wall in walls {
+        let first = frame.points.len() as u64;
+        frame.points.extend(wall.iter().map(single));
+        frame.lines.extend((1..wall.len() as u64).map(|next| [first + next - 1, first + next]));
+    }
+    frame
+}

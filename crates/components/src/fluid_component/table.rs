@@ -1,0 +1,199 @@
+//! The fluid's table of variables.
+
+use super::{FluidComponent, PROBES, REGIONS};
+use crate::{ACCELERATION, LOAD, POSITION, interface, quantities};
+use fluid::Observables;
+use fmi2::{DefaultExperiment, Model, Reference, Variable};
+
+type Row = Variable<FluidComponent>;
+
+/// Description and table for an interface with this number of modes.
+pub(super) fn model(modes: usize) -> Model<FluidComponent> {
+    let mut variables = parameters();
+    let getters = [
+        |this: &FluidComponent, index: usize| this.state.motion.position[index],
+        |this: &FluidComponent, index: usize| this.state.motion.velocity[index],
+        |this: &FluidComponent, index: usize| this.state.motion.acceleration[index],
+        |this: &FluidComponent, index: usize| this.load(index),
+    ];
+    let meeting = interface::variables(modes, getters);
+    let (loads, motions): (Vec<_>, Vec<_>) = meeting.into_iter().partition(|(family, _)| *family == LOAD);
+    variables.extend(motions.into_iter().map(|(family, variable)| motion_input(family, variable)));
+    variables.extend(loads.into_iter().map(|(_, variable)| variable));
+    variables.extend(figures());
+    variables.extend(numbers());
+    variables.extend(stages());
+    Model {
+        identifier: "fluid",
+        name: "Plimsoll.Fluid",
+        description: "Free-surface flow in two dimensions by the moving particle semi-implicit method, per metre of width",
+        units: quantities::units(),
+        types: quantities::types(),
+        variables,
+        experiment: DefaultExperiment { stop: 1.0, step: 0.000_25 },
+        directional_derivatives: false,
+        annotations: vec![
+            (
+                "motion",
+                "motion.* is the motion of the body at the end of the step that follows; unconnected it holds the body at \
+                 its place in the scene.",
+            ),
+            ("load", "load.* is the mean over the communication step that ended (impulse divided by step)."),
+        ],
+    }
+}
+
+fn motion_input(family: Reference, variable: Row) -> Row {
+    match family {
+        POSITION => variable.input(|this, index, value| this.state.motion.position[index] = value),
+        ACCELERATION => variable.input(|this, index, value| this.state.motion.acceleration[index] = value),
+        _ => variable.input(|this, index, value| this.state.motion.velocity[index] = value),
+    }
+}
+
+fn parameters() -> Vec<Row> {
+    vec![
+        Row::text_parameter(
+            1,
+            "scene",
+            "name of a packed scene, or the path of a scene file",
+            "dam_break_plate",
+            |this, _| this.state.parameters.scene.clone(),
+            |this, _, text| this.state.parameters.scene = text.to_string(),
+        ),
+        Row::text_parameter(
+            2,
+            "scene_overrides",
+            "changes to the scene: key.path=value; key.path=value",
+            "",
+            |this, _| this.state.parameters.overrides.clone(),
+            |this, _, text| this.state.parameters.overrides = text.to_string(),
+        ),
+        Row::real(3, "particle_spacing", "particle spacing; 0 takes the scene's", "Length", |this, _| {
+            this.state.parameters.particle_spacing
+        })
+        .real_parameter(0.0, |this, _, value| this.state.parameters.particle_spacing = value)
+        .within(0.0, f64::INFINITY),
+        Row::integer(4, "threads", "threads of this instance's own pool; 0 takes the scene's number", |this, _| {
+            this.state.parameters.threads
+        })
+        .integer_parameter(0, |this, _, value| this.state.parameters.threads = value)
+        .within(0.0, 1024.0),
+        Row::text_parameter(
+            5,
+            "output_directory",
+            "folder for field frames of the particles; empty writes none",
+            "",
+            |this, _| this.state.parameters.output_directory.clone(),
+            |this, _, text| this.state.parameters.output_directory = text.to_string(),
+        ),
+        Row::real(6, "output_interval", "time between field frames; 0 takes the scene's", "Duration", |this, _| {
+            this.state.parameters.output_interval
+        })
+        .real_parameter(0.0, |this, _, value| this.state.parameters.output_interval = value)
+        .within(0.0, f64::INFINITY),
+    ]
+}
+
+/// Figures that are computed from the state when they are read.
+fn figures() -> Vec<Row> {
+    fn figure(this: &FluidComponent, read: impl Fn(&Observables) -> f64) -> f64 {
+        this.observables().map_or(0.0, read)
+    }
+    let probes = (0..PROBES).map(|index| {
+        let name = format!("probe.pressure[{}]", index + 1);
+        let meaning = "pressure at a probe point, in the order of the scene; 0 where it has fewer";
+        Row::real(300 + index as Reference, name, meaning, "Pressure", |this, index| {
+            figure(this, |seen| seen.probes.get(index).copied().unwrap_or(0.0))
+        })
+        .at(index)
+    });
+    let regions = (0..REGIONS).map(|index| {
+        let name = format!("region.mass[{}]", index + 1);
+        let meaning = "water in a region, in the order of the scene; 0 where it has fewer";
+        Row::real(340 + index as Reference, name, meaning, "Mass", |this, index| {
+            figure(this, |seen| seen.region_masses.get(index).copied().unwrap_or(0.0))
+        })
+        .at(index)
+    });
+    let row = |reference, name: &str, meaning: &str, kind, get| Row::real(reference, name, meaning, kind, get);
+    let single = vec![
+        row(360, "wall.force_x", "force of the water on the fixed walls, along X", "Force", |this, _| {
+            figure(this, |seen| seen.wall_force.x)
+        }),
+        row(361, "wall.force_y", "force of the water on the fixed walls, along Y", "Force", |this, _| {
+            figure(this, |seen| seen.wall_force.y)
+        }),
+        row(362, "front.x", "largest X that coherent water reaches", "Length", |this, _| {
+            figure(this, |seen| seen.front)
+        }),
+        row(363, "energy.kinetic", "kinetic energy of the water", "Energy", |this, _| {
+            figure(this, |seen| seen.kinetic_energy)
+        }),
+        row(364, "energy.potential", "potential energy of the water above the origin", "Energy", |this, _| {
+            figure(this, |seen| seen.potential_energy)
+        }),
+        row(365, "momentum.x", "momentum of the water along X", "Momentum", |this, _| {
+            figure(this, |seen| seen.momentum.x)
+        }),
+        row(366, "momentum.y", "momentum of the water along Y", "Momentum", |this, _| {
+            figure(this, |seen| seen.momentum.y)
+        }),
+        row(367, "centre.x", "X of the water's centre of mass", "Length", |this, _| figure(this, |seen| seen.centre.x)),
+        row(368, "centre.y", "Y of the water's centre of mass", "Length", |this, _| figure(this, |seen| seen.centre.y)),
+        row(369, "maximum_speed", "largest speed of a particle", "Velocity", |this, _| {
+            figure(this, |seen| seen.maximum_speed)
+        }),
+    ];
+    probes.chain(regions).chain(single).collect()
+}
+
+/// Counts and what the solver said of the last step.
+fn numbers() -> Vec<Row> {
+    fn count(number: usize) -> i32 {
+        i32::try_from(number).unwrap_or(i32::MAX)
+    }
+    vec![
+        Row::real(
+            380,
+            "time_step.suggested",
+            "time step that the stability limits of the scheme would allow next",
+            "Duration",
+            |this, _| this.state.progress.as_ref().map_or(0.0, |progress| progress.report.suggested_step),
+        ),
+        Row::integer(381, "particles.count", "particles in the domain", |this, _| {
+            this.state.progress.as_ref().map_or(0, |progress| count(progress.state.positions.len()))
+        }),
+        Row::integer(382, "particles.lost", "particles that left the domain and were removed", |this, _| {
+            this.state.progress.as_ref().map_or(0, |progress| count(progress.state.lost))
+        }),
+        Row::integer(383, "solver.iterations", "iterations of the pressure solver in the last step", |this, _| {
+            this.state.progress.as_ref().map_or(0, |progress| progress.report.iterations)
+        }),
+        Row::integer(384, "solver.substeps", "internal time steps in the last step", |this, _| {
+            this.state.progress.as_ref().map_or(0, |progress| progress.report.substeps)
+        }),
+    ]
+}
+
+/// Wall-clock times. They are the only outputs that differ from run to run.
+fn stages() -> Vec<Row> {
+    let row = |reference, name: &str, stage: &str, get| {
+        let meaning = format!(
+            "wall-clock time spent on {stage} by this instance, repeated steps included; not part of the state"
+        );
+        Row::real(reference, name, meaning, "Duration", get).discrete()
+    };
+    vec![
+        row(400, "stage.neighbours", "prediction, walls and neighbour search", |this, _| {
+            this.seconds.stages.neighbours
+        }),
+        row(401, "stage.assembly", "density, surface and the pressure system", |this, _| this.seconds.stages.assembly),
+        row(402, "stage.solve", "the pressure solve", |this, _| this.seconds.stages.solve),
+        row(403, "stage.gradient", "pressure gradient, correction and shifting", |this, _| {
+            this.seconds.stages.gradient
+        }),
+        row(404, "stage.other", "loads and checks", |this, _| this.seconds.stages.other),
+        row(405, "stage.output", "field frames", |this, _| this.seconds.output),
+    ]
+}

@@ -1,0 +1,122 @@
+//! The variables through which fluid and structure meet. Names, references, units and order are the same at both ends;
+//! an input of one is an output of the other. References do not depend on the number of modes.
+
+use fmi2::{Reference, Variable};
+use kinematics::{MAXIMUM_MODES, Motion, RIGID};
+use serde::{Deserialize, Serialize};
+
+/// Reference of `motion.x`; y, theta and the modal coordinates follow.
+pub const POSITION: Reference = 100;
+/// Reference of `motion.vx`; the other rates follow.
+pub const VELOCITY: Reference = 120;
+/// Reference of `motion.ax`; the other second derivatives follow.
+pub const ACCELERATION: Reference = 140;
+/// Reference of `load.fx`; fy, mz and the modal loads follow.
+pub const LOAD: Reference = 200;
+
+/// Coordinates of the largest interface.
+pub const COORDINATES: usize = RIGID + MAXIMUM_MODES;
+
+/// Motion as it stands in the variables: room for every mode, whatever the scene uses.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct MotionValues {
+    /// Coordinates.
+    pub position: [f64; COORDINATES],
+    /// Rates.
+    pub velocity: [f64; COORDINATES],
+    /// Second derivatives.
+    pub acceleration: [f64; COORDINATES],
+}
+
+impl MotionValues {
+    /// The first coordinates as a motion with this number of modes.
+    pub fn motion(&self, modes: usize) -> Motion {
+        let mut motion = Motion::at_rest(modes);
+        let size = RIGID + modes;
+        motion.position.copy_from_slice(&self.position[..size]);
+        motion.velocity.copy_from_slice(&self.velocity[..size]);
+        motion.acceleration.copy_from_slice(&self.acceleration[..size]);
+        motion
+    }
+
+    /// A motion with any number of modes; the rest is zero.
+    pub fn from_motion(motion: &Motion) -> Self {
+        let mut values = Self::default();
+        let size = motion.position.len();
+        values.position[..size].copy_from_slice(motion.position.as_slice());
+        values.velocity[..size].copy_from_slice(motion.velocity.as_slice());
+        values.acceleration[..size].copy_from_slice(motion.acceleration.as_slice());
+        values
+    }
+}
+
+/// One family of the interface: first reference, names of the rigid coordinates, name of the modal ones, types and
+/// descriptions of x and y, theta, q.
+struct Family {
+    first: Reference,
+    rigid: [&'static str; RIGID],
+    modal: &'static str,
+    types: [&'static str; 3],
+    description: &'static str,
+}
+
+const FAMILIES: [Family; 4] = [
+    Family {
+        first: POSITION,
+        rigid: ["motion.x", "motion.y", "motion.theta"],
+        modal: "motion.q",
+        types: ["Displacement", "Rotation", "ModalCoordinate"],
+        description: "coordinate of the body",
+    },
+    Family {
+        first: VELOCITY,
+        rigid: ["motion.vx", "motion.vy", "motion.vtheta"],
+        modal: "motion.vq",
+        types: ["Velocity", "AngularVelocity", "ModalVelocity"],
+        description: "rate of the coordinate of the body",
+    },
+    Family {
+        first: ACCELERATION,
+        rigid: ["motion.ax", "motion.ay", "motion.atheta"],
+        modal: "motion.aq",
+        types: ["Acceleration", "AngularAcceleration", "ModalAcceleration"],
+        description: "second derivative of the coordinate of the body",
+    },
+    Family {
+        first: LOAD,
+        rigid: ["load.fx", "load.fy", "load.mz"],
+        modal: "load.q",
+        types: ["Force", "Moment", "ModalLoad"],
+        description: "load of the fluid on the coordinate, mean over the communication step:",
+    },
+];
+
+/// Access functions of the four families, in the order position, velocity, acceleration, load.
+type Getters<C> = [fn(&C, usize) -> f64; 4];
+
+/// The variables of the interface as outputs; the caller turns some of them into inputs.
+pub fn variables<C>(modes: usize, get: Getters<C>) -> Vec<(Reference, Variable<C>)> {
+    let mut variables = Vec::new();
+    for (family, get) in FAMILIES.iter().zip(get) {
+        for index in 0..RIGID + modes {
+            let (name, kind, coordinate) = match index.checked_sub(RIGID) {
+                None => {
+                    (family.rigid[index].to_string(), family.types[index / 2], ["X", "Y", "theta"][index].to_string())
+                }
+                Some(mode) => (format!("{}[{}]", family.modal, mode + 1), family.types[2], format!("q[{}]", mode + 1)),
+            };
+            let description = format!("{} {coordinate}", family.description);
+            let reference = family.first + index as Reference;
+            variables.push((family.first, Variable::real(reference, name, description, kind, get).at(index)));
+        }
+    }
+    variables
+}
+
+/// Which family a reference belongs to and which coordinate it is.
+pub fn coordinate(reference: Reference) -> Option<(Reference, usize)> {
+    FAMILIES.iter().find_map(|family| {
+        let index = reference.checked_sub(family.first)? as usize;
+        (index < COORDINATES).then_some((family.first, index))
+    })
+}

@@ -1,0 +1,316 @@
+//! The structure: a rigid cabin with an elastic beam, driven by the load of a fluid.
+
+mod table;
+
+use crate::frames::{Field, Frame, Series, single};
+use crate::interface::{COORDINATES, MotionValues, coordinate};
+use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion, find_scene};
+use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
+use kinematics::{Body, MAXIMUM_MODES, Motion, RIGID};
+use scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Parameters of the FMU; zeros and empty texts mean "as the scene says".
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Parameters {
+    scene: String,
+    overrides: String,
+    youngs_modulus: f64,
+    output_directory: String,
+    output_interval: f64,
+}
+
+/// Values of the outputs at a communication point.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Outputs {
+    motion: MotionValues,
+    middle: f64,
+    tip: f64,
+    kinetic: f64,
+    potential: f64,
+    iterations: i32,
+}
+
+/// The last step, from which its sensitivities follow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct LastStep {
+    before: structure::State,
+    load: Vec<f64>,
+    duration: f64,
+}
+
+/// What the scene became and where it stands.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Progress {
+    scene: Arc<Scene>,
+    start: f64,
+    state: structure::State,
+    last: Option<LastStep>,
+}
+
+/// Everything that decides the next step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    parameters: Parameters,
+    load: [f64; COORDINATES],
+    outputs: Outputs,
+    progress: Option<Progress>,
+}
+
+/// What follows from the scene and needs no saving.
+struct Machinery {
+    scene: Arc<Scene>,
+    body: Body,
+    solver: structure::Solver,
+    workspace: structure::Workspace,
+    series: Option<Series>,
+}
+
+/// The structure as a component.
+pub struct StructureComponent {
+    modes: usize,
+    resources: Option<PathBuf>,
+    state: State,
+    machinery: Option<Machinery>,
+    /// Seconds spent in steps by this instance, repeated ones included.
+    seconds: f64,
+}
+
+impl Machinery {
+    fn new(scene: Arc<Scene>, limit: usize, series: Option<Series>) -> Result<Self, Error> {
+        let modes = conversion::modes(&scene);
+        if modes > limit {
+            let hint = "; pack the FMU with more modes or lower structure.beam.modes";
+            return Err(Error::TooMany { what: "modes of the beam", got: modes, limit, hint });
+        }
+        let solver = structure::Solver::new(conversion::structure(&scene)?)?;
+        let missing = || Error::MissingPart { title: scene.title.clone(), part: "structure" };
+        let body = conversion::body(&scene)?.ok_or_else(missing)?;
+        Ok(Self { body, workspace: solver.workspace(), solver, series, scene })
+    }
+
+    /// Mean load of the step: what the fluid gives, and the constant load of the scene.
+    fn load(&self, input: &[f64; COORDINATES]) -> Vec<f64> {
+        let mut load = input[..RIGID + self.body.modes()].to_vec();
+        let constant = self.scene.structure.as_ref().map_or(&[][..], |structure| &structure.constant_load);
+        load.iter_mut().zip(constant).for_each(|(load, constant)| *load += constant);
+        load
+    }
+
+    fn outputs(&self, state: &structure::State, iterations: usize) -> Outputs {
+        let length = self.body.beam.as_ref().map_or(0.0, |beam| beam.modes.length());
+        // The solver's eta is positive along -x of the body.
+        let deflection = |station: f64| -self.solver.deflection(state, station);
+        Outputs {
+            motion: MotionValues::from_motion(&state.motion),
+            middle: deflection(0.5 * length),
+            tip: deflection(length),
+            kinetic: self.solver.kinetic_energy(state),
+            potential: self.solver.potential_energy(state),
+            iterations: i32::try_from(iterations).unwrap_or(i32::MAX),
+        }
+    }
+
+    /// The outline as it stands, with its displacement from the scene's pose.
+    fn frame(&self, motion: &Motion) -> Frame {
+        let rest = Motion::at_rest(self.body.modes());
+        let (mut frame, mut displacement) = (Frame::default(), Vec::new());
+        for panel in self.body.panels(self.longest_panel()) {
+            let first = frame.points.len() as u64;
+            frame.lines.push([first, first + 1]);
+            for point in panel.ends {
+                let place = self.body.position(point, motion);
+                frame.points.push(single(&place));
+                displacement.push(single(&(place - self.body.position(point, &rest))));
+            }
+        }
+        frame.fields.push(Field::Vector("displacement", displacement));
+        frame
+    }
+
+    fn longest_panel(&self) -> f64 {
+        let beam = self.body.beam.as_ref();
+        beam.map_or(f64::INFINITY, |beam| (0.25 * beam.thickness).max(beam.modes.length() / 100.0))
+    }
+}
+
+impl StructureComponent {
+    fn resolve_scene(&self) -> Result<Scene, Error> {
+        let parameters = &self.state.parameters;
+        let mut scene = find_scene(&parameters.scene, &parameters.overrides, self.resources.as_deref())?;
+        if parameters.youngs_modulus > 0.0 {
+            let beam = scene.structure.as_mut().and_then(|structure| structure.beam.as_mut());
+            let Some(beam) = beam else {
+                return Err(Error::Value {
+                    key: "youngs_modulus".to_string(),
+                    got: parameters.youngs_modulus.to_string(),
+                    expected: "0: the scene has no beam".to_string(),
+                });
+            };
+            beam.youngs_modulus = parameters.youngs_modulus;
+        }
+        Ok(scene)
+    }
+
+    fn prepare(&mut self, start: f64) -> Result<(), Error> {
+        let scene = Arc::new(self.resolve_scene()?);
+        let series = self.series(&scene, start)?;
+        let machinery = Machinery::new(Arc::clone(&scene), self.modes, series)?;
+        let mut state = machinery.solver.initial_state(&conversion::initial_modes(&scene))?;
+        state.time = start;
+        self.state.outputs = machinery.outputs(&state, 0);
+        self.state.progress = Some(Progress { scene, start, state, last: None });
+        self.machinery = Some(machinery);
+        Ok(())
+    }
+
+    fn series(&self, scene: &Scene, start: f64) -> Result<Option<Series>, Error> {
+        let Parameters { output_directory, output_interval, .. } = &self.state.parameters;
+        let interval = if *output_interval > 0.0 { *output_interval } else { scene.output.interval };
+        if output_directory.is_empty() || interval <= 0.0 {
+            return Ok(None);
+        }
+        Series::new(Path::new(output_directory), "structure", start, interval).map(Some)
+    }
+
+    fn advance(&mut self, time: f64, step: f64) -> Result<(), Failure> {
+        let (Some(machinery), Some(progress)) = (&mut self.machinery, &mut self.state.progress) else {
+            return Err(not_initialised());
+        };
+        if let Some(number) = machinery.series.as_ref().and_then(|series| series.due(time)) {
+            let frame = machinery.frame(&progress.state.motion);
+            write_frame(&mut machinery.series, number, time, frame)?;
+        }
+        let load = machinery.load(&self.state.load);
+        let mut state = progress.state.clone();
+        state.time = time;
+        let report = machinery
+            .solver
+            .step(&mut state, &load, step, &mut machinery.workspace)
+            .map_err(|error| Failure::discard(error.to_string()))?;
+        state.time = time + step;
+        self.state.outputs = machinery.outputs(&state, report.iterations);
+        let before = std::mem::replace(&mut progress.state, state);
+        progress.last = Some(LastStep { before, load, duration: step });
+        Ok(())
+    }
+}
+
+fn not_initialised() -> Failure {
+    Failure::broken("the structure is not initialised: call fmi2EnterInitializationMode before")
+}
+
+fn write_frame(series: &mut Option<Series>, number: u64, time: f64, frame: Frame) -> Result<(), Failure> {
+    match series {
+        Some(series) => series.write(number, time, frame).map_err(|error| Failure::broken(error.to_string())),
+        None => Ok(()),
+    }
+}
+
+impl Component for StructureComponent {
+    type State = State;
+
+    fn variants() -> RangeInclusive<usize> {
+        0..=MAXIMUM_MODES
+    }
+
+    fn model(variant: usize) -> Model<Self> {
+        table::model(variant)
+    }
+
+    fn new(setup: &Setup) -> Self {
+        let state = State {
+            parameters: Parameters::default(),
+            load: [0.0; COORDINATES],
+            outputs: Outputs::default(),
+            progress: None,
+        };
+        Self { modes: setup.variant, resources: setup.resources.clone(), state, machinery: None, seconds: 0.0 }
+    }
+
+    fn initialise(&mut self, experiment: &Experiment, log: &Logger) -> Result<(), Failure> {
+        self.prepare(experiment.start).map_err(|error| Failure::broken(error.to_string()))?;
+        if let Some(progress) = &self.state.progress {
+            let modes = conversion::modes(&progress.scene);
+            log.event(&format!("structure of '{}' with {modes} modes is ready", progress.scene.title));
+        }
+        Ok(())
+    }
+
+    fn do_step(&mut self, time: f64, step: f64, _log: &Logger) -> Result<(), Failure> {
+        let clock = Instant::now();
+        let result = self.advance(time, step);
+        self.seconds += clock.elapsed().as_secs_f64();
+        result
+    }
+
+    fn terminate(&mut self, _log: &Logger) -> Result<(), Failure> {
+        let (Some(machinery), Some(progress)) = (&mut self.machinery, &self.state.progress) else { return Ok(()) };
+        let time = progress.state.time;
+        let Some(number) = machinery.series.as_ref().and_then(|series| series.due_at_end(time)) else { return Ok(()) };
+        let frame = machinery.frame(&progress.state.motion);
+        write_frame(&mut machinery.series, number, time, frame)
+    }
+
+    fn save(&self) -> State {
+        self.state.clone()
+    }
+
+    fn restore(&mut self, state: &State) -> Result<(), Failure> {
+        let Some(progress) = &state.progress else {
+            self.state = state.clone();
+            self.machinery = None;
+            return Ok(());
+        };
+        let fits =
+            |machinery: &Machinery| Arc::ptr_eq(&machinery.scene, &progress.scene) || machinery.scene == progress.scene;
+        let same_output = self.state.parameters == state.parameters;
+        self.state = state.clone();
+        if !(same_output && self.machinery.as_ref().is_some_and(fits)) {
+            let fresh = self.series(&progress.scene, progress.start);
+            let machinery = fresh.and_then(|series| Machinery::new(Arc::clone(&progress.scene), self.modes, series));
+            self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
+        }
+        Ok(())
+    }
+
+    fn derivatives(&mut self, unknowns: &[Reference], knowns: &[Reference]) -> Result<Vec<f64>, Failure> {
+        let (Some(machinery), Some(progress)) = (&self.machinery, &self.state.progress) else {
+            return Err(not_initialised());
+        };
+        let Some(last) = &progress.last else {
+            return Err(Failure::refused("directional derivatives belong to a step, and none was done yet"));
+        };
+        let sensitivity = machinery
+            .solver
+            .sensitivity(&last.before, &progress.state, &last.load, last.duration)
+            .map_err(|error| Failure::refused(error.to_string()))?;
+        let entry = |unknown: Reference, known: Reference| -> f64 {
+            let (Some((family, row)), Some((LOAD, column))) = (coordinate(unknown), coordinate(known)) else {
+                return 0.0;
+            };
+            let matrix = match family {
+                POSITION => &sensitivity.position,
+                VELOCITY => &sensitivity.velocity,
+                ACCELERATION => &sensitivity.acceleration,
+                _ => return 0.0,
+            };
+            // Coordinates that the scene does not have answer to nothing.
+            matrix.get((row, column)).copied().unwrap_or(0.0)
+        };
+        if let Some(&other) = unknowns.iter().find(|&&unknown| coordinate(unknown).is_none()) {
+            return Err(Failure::refused(format!(
+                "directional derivatives are given of the motion only, not of the value reference {other}"
+            )));
+        }
+        Ok(unknowns
+            .iter()
+            .flat_map(|&unknown| knowns.iter().map(move |&known| (unknown, known)))
+            .map(|(unknown, known)| entry(unknown, known))
+            .collect())
+    }
+}

@@ -1,0 +1,119 @@
+//! The structure's table of variables.
+
+use super::StructureComponent;
+use crate::{LOAD, interface, quantities};
+use fmi2::{DefaultExperiment, Model, Variable};
+
+type Row = Variable<StructureComponent>;
+
+/// Description and table for an interface with this number of modes.
+pub(super) fn model(modes: usize) -> Model<StructureComponent> {
+    let mut variables = parameters();
+    let getters = [
+        |this: &StructureComponent, index: usize| this.state.outputs.motion.position[index],
+        |this: &StructureComponent, index: usize| this.state.outputs.motion.velocity[index],
+        |this: &StructureComponent, index: usize| this.state.outputs.motion.acceleration[index],
+        |this: &StructureComponent, index: usize| this.state.load[index],
+    ];
+    let set_load = |this: &mut StructureComponent, index: usize, value: f64| this.state.load[index] = value;
+    let meeting = interface::variables(modes, getters);
+    let (loads, motions): (Vec<_>, Vec<_>) = meeting.into_iter().partition(|(family, _)| *family == LOAD);
+    variables.extend(loads.into_iter().map(|(_, variable)| variable.input(set_load)));
+    variables.extend(motions.into_iter().map(|(_, variable)| variable));
+    variables.extend(outputs());
+    Model {
+        identifier: "structure",
+        name: "Plimsoll.Structure",
+        description: "Rigid cabin with an elastic beam in modal form, per metre of width",
+        units: quantities::units(),
+        types: quantities::types(),
+        variables,
+        experiment: DefaultExperiment { stop: 1.0, step: 0.000_25 },
+        directional_derivatives: true,
+        annotations: vec![
+            (
+                "directionalDerivative",
+                "fmi2GetDirectionalDerivative gives the sensitivity of the last step: the derivative of the motion at \
+                 the end of the last fmi2DoStep by the load held over that step. It is the inverse tangent of the \
+                 implicit step, made for Newton iterations between communication points.",
+            ),
+            (
+                "load",
+                "load.* is the mean over the communication step that follows (impulse divided by step), held during it.",
+            ),
+        ],
+    }
+}
+
+fn parameters() -> Vec<Row> {
+    vec![
+        Row::text_parameter(
+            1,
+            "scene",
+            "name of a packed scene, or the path of a scene file",
+            "dam_break_plate",
+            |this, _| this.state.parameters.scene.clone(),
+            |this, _, text| this.state.parameters.scene = text.to_string(),
+        ),
+        Row::text_parameter(
+            2,
+            "scene_overrides",
+            "changes to the scene: key.path=value; key.path=value",
+            "",
+            |this, _| this.state.parameters.overrides.clone(),
+            |this, _, text| this.state.parameters.overrides = text.to_string(),
+        ),
+        Row::text_parameter(
+            5,
+            "output_directory",
+            "folder for field frames of the outline; empty writes none",
+            "",
+            |this, _| this.state.parameters.output_directory.clone(),
+            |this, _, text| this.state.parameters.output_directory = text.to_string(),
+        ),
+        Row::real(6, "output_interval", "time between field frames; 0 takes the scene's", "Duration", |this, _| {
+            this.state.parameters.output_interval
+        })
+        .real_parameter(0.0, |this, _, value| this.state.parameters.output_interval = value)
+        .within(0.0, f64::INFINITY),
+        Row::real(7, "youngs_modulus", "Young's modulus of the beam; 0 takes the scene's", "Pressure", |this, _| {
+            this.state.parameters.youngs_modulus
+        })
+        .real_parameter(0.0, |this, _, value| this.state.parameters.youngs_modulus = value)
+        .within(0.0, f64::INFINITY),
+    ]
+}
+
+fn outputs() -> Vec<Row> {
+    vec![
+        Row::real(
+            300,
+            "deflection.middle",
+            "deflection of the beam's middle along +x of the body",
+            "Displacement",
+            |this, _| this.state.outputs.middle,
+        ),
+        Row::real(
+            301,
+            "deflection.tip",
+            "deflection of the beam's end at +y along +x of the body",
+            "Displacement",
+            |this, _| this.state.outputs.tip,
+        ),
+        Row::real(302, "energy.kinetic", "kinetic energy", "Energy", |this, _| this.state.outputs.kinetic),
+        Row::real(303, "energy.potential", "energy of weight and bending", "Energy", |this, _| {
+            this.state.outputs.potential
+        }),
+        Row::integer(304, "solver.iterations", "Newton-Raphson iterations of the last step", |this, _| {
+            this.state.outputs.iterations
+        }),
+        Row::real(
+            320,
+            "stage.step",
+            "wall-clock time spent in steps by this instance, repeated steps included; not part of the state",
+            "Duration",
+            |this, _| this.seconds,
+        )
+        .discrete(),
+    ]
+}
