@@ -1,1 +1,43 @@
-//! fluid
+//! Free-surface flow in two dimensions by the moving particle semi-implicit method.
+//!
+//! Governing equations: div u = 0 and Du/Dt = -grad p / rho + g, without viscosity. A step predicts velocities and
+//! positions from gravity, solves a Poisson equation for the pressure that stops the compression, and corrects.
+//! Walls are polylines; fluid near a wall sees its own mirror image behind it (see [`images`]).
+//!
+//! `Solver::step` is a function of (state, motion of the walls, duration) only and gives the same bits for any
+//! number of threads. All quantities are SI, per metre of width.
+
+mod check;
+mod error;
+mod fill;
+mod free_surface;
+mod grid;
+pub mod images;
+mod kernel;
+mod load;
+mod matrix;
+mod motion;
+mod multigrid;
+mod neighbours;
+mod observe;
+pub mod operators;
+mod parallel;
+mod parameters;
+mod particles;
+mod prepare;
+mod pressure;
+mod report;
+mod schedule;
+mod solver;
+mod state;
+mod walls;
+
+pub use error::Error;
+pub use images::{Image, Mirror};
+pub use kernel::Kernel;
+pub use neighbours::Neighbourhood;
+pub use observe::Observables;
+pub use parameters::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters, Source};
+pub use report::{Report, StageTimes};
+pub use solver::{Solver, Workspace};
+pub use state::State;

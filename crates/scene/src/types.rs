@@ -144,6 +144,8 @@ pub struct Paper {
     pub courant: f64,
     /// Strength of particle shifting (0 to 0.5), 0 switches it off.
     pub shifting: f64,
+    /// Whether negative pressures act on particles; without, they count as zero in the gradient.
+    pub tension: bool,
     /// Distance in spacings below which two approaching particles collide (0 to 1).
     pub collision_distance: f64,
     /// Coefficient of restitution of such a collision (0 to 1).
@@ -162,6 +164,7 @@ impl Default for Paper {
             source: Source::Mixed,
             courant: 0.2,
             shifting: 0.03,
+            tension: false,
             collision_distance: 0.85,
             restitution: 0.2,
             surface_density: 0.97,

@@ -1,0 +1,57 @@
+//! Whether a geometry can be simulated at all: checked once, with coordinates in every message.
+
+use crate::Error;
+use crate::parameters::Geometry;
+use crate::walls::{FIXED, Segment, Walls};
+use nalgebra::Vector2;
+
+/// Whether a point lies on the solid side of the wall nearest to it.
+fn behind<'a>(segments: impl Iterator<Item = &'a Segment> + Clone, point: &Vector2<f64>, slack: f64) -> bool {
+    let nearest = segments.clone().map(|segment| segment.squared_distance(point)).fold(f64::INFINITY, f64::min);
+    if !nearest.is_finite() {
+        return false;
+    }
+    let tied = |segment: &&Segment| segment.squared_distance(point) <= nearest + slack * slack;
+    segments.filter(tied).all(|segment| segment.local(point).0 < -slack)
+}
+
+/// Refuses degenerate walls.
+pub fn walls_are_sound(geometry: &Geometry, spacing: f64) -> Result<(), Error> {
+    for (number, wall) in geometry.fixed_walls.iter().enumerate() {
+        for pair in wall.windows(2) {
+            let length = (pair[1] - pair[0]).norm();
+            if length < 0.1 * spacing {
+                return Err(Error::Geometry {
+                    what: format!("fixed wall {number} near ({}, {})", pair[0].x, pair[0].y),
+                    got: format!("a piece of {length} m"),
+                    expected: format!("pieces longer than 0.1 spacings = {} m", 0.1 * spacing),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses water inside a wall and a body outside the tank.
+pub fn fits_together(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Result<(), Error> {
+    let slack = 1e-6 * spacing;
+    if let Some(point) = water.iter().find(|point| behind(walls.segments.iter(), point, slack)) {
+        return Err(Error::Geometry {
+            what: format!("water at ({}, {}) lies behind the wall nearest to it", point.x, point.y),
+            got: "a particle inside a solid".to_string(),
+            expected: "all water in front of the walls; walk a wall's points with the fluid on the left".to_string(),
+        });
+    }
+    let fixed = walls.segments.iter().filter(|segment| segment.panel == FIXED);
+    for segment in walls.segments.iter().filter(|segment| segment.panel != FIXED) {
+        let middle = segment.start + segment.tangent * (0.5 * segment.length);
+        if behind(fixed.clone(), &middle, slack) {
+            return Err(Error::Geometry {
+                what: format!("the body's surface at ({}, {}) lies behind a fixed wall", middle.x, middle.y),
+                got: "a body outside the tank".to_string(),
+                expected: "a body inside the walls; move structure.origin or the beam's middle".to_string(),
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,96 @@
+//! What can go wrong, with the numbers.
+
+use thiserror::Error;
+
+/// An error of the fluid solver.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Error {
+    /// A parameter outside its range.
+    #[error("fluid parameter {name} = {got}: expected {expected}")]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Value found.
+        got: f64,
+        /// What would be right.
+        expected: String,
+    },
+    /// A geometry that cannot be simulated.
+    #[error("geometry: {what}: got {got}, expected {expected}")]
+    Geometry {
+        /// What is wrong and where.
+        what: String,
+        /// Value found.
+        got: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// An input that is not usable.
+    #[error("input {name} = {got} at t = {time} s: expected {expected}")]
+    Input {
+        /// Name of the input.
+        name: String,
+        /// Value found.
+        got: f64,
+        /// Time of the step's start \[s\].
+        time: f64,
+        /// What would be right.
+        expected: String,
+    },
+    /// The pressure solve did not converge.
+    #[error(
+        "pressure solve at t = {time} s: relative residual {residual:e} after {iterations} iterations on {unknowns} \
+         unknowns, wanted {tolerance:e}; a smaller time step or a larger solve.maximum_iterations may help"
+    )]
+    Pressure {
+        /// Time \[s\].
+        time: f64,
+        /// Iterations done.
+        iterations: usize,
+        /// Relative residual reached.
+        residual: f64,
+        /// Relative residual wanted.
+        tolerance: f64,
+        /// Size of the system.
+        unknowns: usize,
+    },
+    /// A value that is not finite after a step.
+    #[error("{field} of particle {particle} is not finite at t = {time} s, near ({x}, {y}); the step was not taken")]
+    NotFinite {
+        /// Field.
+        field: &'static str,
+        /// Index of the particle.
+        particle: usize,
+        /// Time \[s\].
+        time: f64,
+        /// Place before the step \[m\].
+        x: f64,
+        /// Place before the step \[m\].
+        y: f64,
+    },
+    /// The time step became too small.
+    #[error(
+        "time step {step:e} s at t = {time} s is below {floor:e} s: the largest speed is {speed} m/s at spacing \
+         {spacing} m; the flow is not resolved or the wall moves too fast"
+    )]
+    TimeStep {
+        /// Time step wanted \[s\].
+        step: f64,
+        /// Smallest step allowed \[s\].
+        floor: f64,
+        /// Time \[s\].
+        time: f64,
+        /// Largest speed \[m/s\].
+        speed: f64,
+        /// Particle spacing \[m\].
+        spacing: f64,
+    },
+    /// The thread pool could not be made.
+    #[error("cannot start {threads} threads: {reason}")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}

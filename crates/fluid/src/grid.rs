@@ -1,0 +1,105 @@
+//! Uniform cells that list particles in a fixed order.
+
+use nalgebra::Vector2;
+
+/// Cells over the bounding box of the particles; each lists its particles by ascending index.
+#[derive(Debug, Clone, Default)]
+pub struct Grid {
+    origin: Vector2<f64>,
+    inverse_size: f64,
+    columns: usize,
+    rows: usize,
+    starts: Vec<u32>,
+    members: Vec<u32>,
+    cell_of: Vec<u32>,
+}
+
+impl Grid {
+    /// Sorts the particles into cells of `size` \[m\]. Ascending order within a cell keeps every later sum the same.
+    pub fn build(&mut self, positions: &[Vector2<f64>], size: f64) {
+        let (low, high) = bounding_box(positions);
+        self.origin = low;
+        self.inverse_size = 1.0 / size;
+        self.columns = ((high.x - low.x) / size) as usize + 1;
+        self.rows = ((high.y - low.y) / size) as usize + 1;
+        let cells = self.columns * self.rows;
+        self.starts.clear();
+        self.starts.resize(cells + 1, 0);
+        self.cell_of.clear();
+        for position in positions {
+            let (column, row) = self.place(position);
+            let cell = row as usize * self.columns + column as usize;
+            self.cell_of.push(cell as u32);
+            self.starts[cell + 1] += 1;
+        }
+        for cell in 0..cells {
+            self.starts[cell + 1] += self.starts[cell];
+        }
+        self.members.resize(positions.len(), 0);
+        for (index, &cell) in self.cell_of.iter().enumerate().rev() {
+            let slot = &mut self.starts[cell as usize + 1];
+            *slot -= 1;
+            self.members[*slot as usize] = index as u32;
+        }
+        // Every start was counted down to the start of its own cell: shift by one to restore the table.
+        for cell in 0..cells {
+            self.starts[cell] = self.starts[cell + 1];
+        }
+        self.starts[cells] = positions.len() as u32;
+    }
+
+    fn place(&self, position: &Vector2<f64>) -> (i64, i64) {
+        let relative = (position - self.origin) * self.inverse_size;
+        (relative.x.floor() as i64, relative.y.floor() as i64)
+    }
+
+    /// Calls `visit` with every particle in the 3 x 3 cells around `position`, in a fixed order.
+    #[inline]
+    pub fn for_each_near(&self, position: &Vector2<f64>, mut visit: impl FnMut(usize)) {
+        let (column, row) = self.place(position);
+        let first = (column - 1).max(0);
+        let last = (column + 1).min(self.columns as i64 - 1);
+        if first > last {
+            return;
+        }
+        for r in (row - 1).max(0)..=(row + 1).min(self.rows as i64 - 1) {
+            let base = r as usize * self.columns;
+            let start = self.starts[base + first as usize] as usize;
+            let end = self.starts[base + last as usize + 1] as usize;
+            for &member in &self.members[start..end] {
+                visit(member as usize);
+            }
+        }
+    }
+}
+
+/// Lowest and highest corner of a set of points; zero for an empty set.
+pub fn bounding_box(points: &[Vector2<f64>]) -> (Vector2<f64>, Vector2<f64>) {
+    let Some(first) = points.first() else { return (Vector2::zeros(), Vector2::zeros()) };
+    points.iter().fold((*first, *first), |(low, high), point| (low.inf(point), high.sup(point)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_same_neighbours_as_all_pairs() {
+        let positions: Vec<_> = (0..400)
+            .map(|i| Vector2::new(((i * 7919) % 1000) as f64 * 1e-3, ((i * 104_729) % 997) as f64 * 1e-3))
+            .collect();
+        let mut grid = Grid::default();
+        grid.build(&positions, 0.1);
+        for point in &positions {
+            let mut found = Vec::new();
+            grid.for_each_near(point, |j| {
+                if (positions[j] - point).norm() < 0.1 {
+                    found.push(j);
+                }
+            });
+            found.sort_unstable();
+            let all: Vec<_> = (0..positions.len()).filter(|&j| (positions[j] - point).norm() < 0.1).collect();
+            assert_eq!(found, all);
+        }
+    }
+}

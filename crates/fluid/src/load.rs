@@ -1,0 +1,132 @@
+//! Pressure on walls, and the load that it puts on the generalised coordinates.
+
+use crate::grid::Grid;
+use crate::walls::{FIXED, PanelMotion, Segment, Walls};
+use kinematics::{Body, MaterialPoint};
+use nalgebra::{DVector, Vector2};
+use rayon::prelude::*;
+
+/// Radius of the averages at walls and probes, in particle spacings.
+const REACH: f64 = 2.1;
+
+/// The water as pressures at points.
+#[derive(Clone, Copy)]
+pub struct PressureField<'a> {
+    /// Cells of the particles, at least `REACH` spacings wide.
+    pub grid: &'a Grid,
+    /// Positions \[m\].
+    pub positions: &'a [Vector2<f64>],
+    /// Pressures \[Pa\].
+    pub pressures: &'a [f64],
+    /// Density \[kg/m3\].
+    pub density: f64,
+    /// Gravity \[m/s2\].
+    pub gravity: Vector2<f64>,
+    /// Particle spacing \[m\].
+    pub spacing: f64,
+    /// Walls that hide particles.
+    pub walls: &'a Walls,
+}
+
+impl PressureField<'_> {
+    /// Pressure at a wall point with normal `normal` into the solid and acceleration `acceleration`:
+    /// sum w (p_j + rho ((g - a).n) d_j) / sum w over the particles in front, d_j their distance from the wall.
+    pub fn at_wall(&self, point: &Vector2<f64>, normal: &Vector2<f64>, acceleration: &Vector2<f64>) -> f64 {
+        let slope = self.density * (self.gravity - acceleration).dot(normal);
+        let front = point - normal * (0.01 * self.spacing);
+        self.average(&front, |j| {
+            let distance = -normal.dot(&(self.positions[j] - point));
+            (distance > 0.0).then(|| self.pressures[j] + slope * distance)
+        })
+    }
+
+    /// Pressure at a point in the water: sum w (p_j + rho g.(x - r_j)) / sum w.
+    pub fn at_point(&self, point: &Vector2<f64>) -> f64 {
+        self.average(point, |j| Some(self.pressures[j] + self.density * self.gravity.dot(&(point - self.positions[j]))))
+    }
+
+    fn average(&self, point: &Vector2<f64>, value: impl Fn(usize) -> Option<f64>) -> f64 {
+        let squared_reach = (REACH * self.spacing).powi(2);
+        let near_wall = !self.walls.candidates(point).is_empty();
+        let (mut weights, mut sum) = (0.0, 0.0);
+        self.grid.for_each_near(point, |j| {
+            let position = &self.positions[j];
+            let squared = (position - point).norm_squared();
+            if squared >= squared_reach || (near_wall && self.walls.separates(point, position)) {
+                return;
+            }
+            if let Some(pressure) = value(j) {
+                let weight = (1.0 - squared / squared_reach).powi(2);
+                weights += weight;
+                sum += weight * pressure;
+            }
+        });
+        if weights > 0.0 { sum / weights } else { 0.0 }
+    }
+}
+
+/// Half-spacing pieces of a segment: the fraction of each middle, and the length of each.
+fn pieces(segment: &Segment, spacing: f64) -> (usize, f64) {
+    let count = (segment.length / (0.5 * spacing)).ceil().max(1.0);
+    (count as usize, segment.length / count)
+}
+
+/// Force of the water on the fixed walls \[N/m\].
+pub fn fixed_wall_force(field: &PressureField) -> Vector2<f64> {
+    let still = Vector2::zeros();
+    let forces: Vec<Vector2<f64>> = field
+        .walls
+        .segments
+        .par_iter()
+        .map(|segment| {
+            if segment.panel != FIXED {
+                return Vector2::zeros();
+            }
+            let (count, length) = pieces(segment, field.spacing);
+            let mut force = Vector2::zeros();
+            for k in 0..count {
+                let point = segment.start + segment.tangent * ((k as f64 + 0.5) * length);
+                force += segment.normal * (field.at_wall(&point, &segment.normal, &still) * length);
+            }
+            force
+        })
+        .collect();
+    forces.iter().sum()
+}
+
+/// Adds the load of the pressure on the moving panels to `load`, times `share`, by virtual work on the walls as they
+/// stand in `coordinates`.
+pub fn add_body_load(
+    field: &PressureField,
+    body: &Body,
+    panels: &[[MaterialPoint; 2]],
+    motion: &PanelMotion,
+    coordinates: &DVector<f64>,
+    share: f64,
+    load: &mut [f64],
+) {
+    let moving: Vec<&Segment> = field.walls.segments.iter().filter(|segment| segment.panel != FIXED).collect();
+    let pressures: Vec<Vec<f64>> = moving
+        .par_iter()
+        .map(|segment| {
+            let (count, length) = pieces(segment, field.spacing);
+            (0..count)
+                .map(|k| {
+                    let along = (k as f64 + 0.5) * length;
+                    let acceleration = motion.acceleration(segment.panel, along / segment.length);
+                    field.at_wall(&(segment.start + segment.tangent * along), &segment.normal, &acceleration)
+                })
+                .collect()
+        })
+        .collect();
+    for (segment, values) in moving.iter().zip(&pressures) {
+        let ends = panels[segment.panel as usize];
+        let (count, length) = pieces(segment, field.spacing);
+        for (k, pressure) in values.iter().enumerate() {
+            let fraction = (k as f64 + 0.5) / count as f64;
+            if let Some(point) = MaterialPoint::between(ends[0], ends[1], fraction) {
+                body.add_force(point, coordinates, segment.normal * (pressure * length * share), load);
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Neighbour lists with weights, built from cells; a wall between two particles hides them from each other.
+
+use crate::grid::Grid;
+use crate::images::{self, Image};
+use crate::kernel::Kernel;
+use crate::parallel::Lists;
+use crate::walls::{Attachment, Walls};
+use nalgebra::Vector2;
+
+/// A neighbour within the effective radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neighbour {
+    /// Index of the particle.
+    pub index: u32,
+    /// Weight w of its distance.
+    pub weight: f64,
+}
+
+/// Everything that particles see around them: other particles, and images behind walls.
+#[derive(Debug, Clone, Default)]
+pub struct Neighbourhood {
+    /// Cells of the search.
+    pub grid: Grid,
+    /// Particles within the effective radius.
+    pub neighbours: Lists<Neighbour>,
+    /// Images within the effective radius.
+    pub images: Lists<Image>,
+}
+
+impl Neighbourhood {
+    /// Searches the neighbours of all particles and mirrors them in the walls that they are attached to.
+    pub fn build(
+        &mut self,
+        positions: &[Vector2<f64>],
+        attachments: &Lists<Attachment>,
+        walls: &Walls,
+        kernel: &Kernel,
+    ) {
+        self.grid.build(positions, kernel.radius);
+        let squared_radius = kernel.radius * kernel.radius;
+        let grid = &self.grid;
+        self.neighbours.build(positions.len(), |i, out| {
+            let here = positions[i];
+            let near_wall = !walls.candidates(&here).is_empty();
+            grid.for_each_near(&here, |j| {
+                let squared = (positions[j] - here).norm_squared();
+                if squared < squared_radius && j != i && !(near_wall && walls.separates(&here, &positions[j])) {
+                    out.push(Neighbour { index: j as u32, weight: kernel.weight(squared) });
+                }
+            });
+        });
+        images::build(&mut self.images, positions, &self.neighbours, attachments, walls, kernel);
+    }
+}

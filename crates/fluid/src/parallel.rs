@@ -1,0 +1,74 @@
+//! Loops and sums that give the same bits for any number of threads.
+
+use rayon::prelude::*;
+
+/// Particles per chunk: one task of a parallel loop, and the fixed grain of every sum.
+pub const CHUNK: usize = 256;
+
+/// Sum of `term(i)` for i in 0..count, added in a fixed order: within chunks first, then over chunks.
+pub fn sum(count: usize, partial: &mut Vec<f64>, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let chunks = count.div_ceil(CHUNK);
+    partial.resize(chunks, 0.0);
+    partial.par_iter_mut().enumerate().for_each(|(chunk, slot)| {
+        *slot = (chunk * CHUNK..((chunk + 1) * CHUNK).min(count)).map(&term).sum();
+    });
+    partial.iter().sum()
+}
+
+/// Fills `out[i] = value(i)` in parallel.
+pub fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
+    out.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, slots)| {
+        for (k, slot) in slots.iter_mut().enumerate() {
+            *slot = value(chunk * CHUNK + k);
+        }
+    });
+}
+
+/// Largest of `term(i)`, or `least` when there is none larger. The maximum does not depend on the order.
+pub fn maximum(count: usize, least: f64, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+    (0..count).into_par_iter().with_min_len(CHUNK).map(|i| term(i)).reduce(|| least, f64::max)
+}
+
+/// One list per particle, stored chunk by chunk so that all chunks can be built at once and keep their memory.
+#[derive(Debug, Clone)]
+pub struct Lists<T> {
+    chunks: Vec<ChunkLists<T>>,
+}
+
+#[derive(Debug, Clone)]
+struct ChunkLists<T> {
+    ends: Vec<u32>,
+    items: Vec<T>,
+}
+
+impl<T> Default for Lists<T> {
+    fn default() -> Self {
+        Self { chunks: Vec::new() }
+    }
+}
+
+impl<T: Send + Sync> Lists<T> {
+    /// Builds the lists of `count` particles; `collect(i, out)` appends the entries of particle i.
+    pub fn build(&mut self, count: usize, collect: impl Fn(usize, &mut Vec<T>) + Sync) {
+        let chunks = count.div_ceil(CHUNK);
+        self.chunks.truncate(chunks);
+        self.chunks.resize_with(chunks, || ChunkLists { ends: Vec::new(), items: Vec::new() });
+        self.chunks.par_iter_mut().enumerate().for_each(|(chunk, lists)| {
+            lists.ends.clear();
+            lists.items.clear();
+            for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
+                collect(i, &mut lists.items);
+                lists.ends.push(lists.items.len() as u32);
+            }
+        });
+    }
+
+    /// The list of particle i.
+    #[inline]
+    pub fn of(&self, i: usize) -> &[T] {
+        let lists = &self.chunks[i / CHUNK];
+        let k = i % CHUNK;
+        let start = if k == 0 { 0 } else { lists.ends[k - 1] as usize };
+        &lists.items[start..lists.ends[k] as usize]
+    }
+}

@@ -1,0 +1,124 @@
+//! Parameters of the fluid solver and the geometry it works on, validated once.
+
+use crate::Error;
+use kinematics::Body;
+use nalgebra::Vector2;
+
+/// Numbers and methods.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    /// Density rho \[kg/m3\].
+    pub density: f64,
+    /// Gravity \[m/s2\].
+    pub gravity: Vector2<f64>,
+    /// Particle spacing l0 \[m\].
+    pub spacing: f64,
+    /// Discretisation.
+    pub scheme: Scheme,
+    /// Pressure solver.
+    pub solve: SolveParameters,
+    /// Threads of the solver's own pool; 0 takes all processors.
+    pub threads: usize,
+}
+
+/// Discretisation.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scheme {
+    /// The semi-implicit method as the paper states it.
+    Paper(PaperParameters),
+}
+
+/// Source term of the pressure Poisson equation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Fixed weight alpha (the paper's equation 5).
+    Mixed,
+    /// Weight from the density error itself (Sun et al. 2015).
+    Adaptive,
+}
+
+/// Parameters of the scheme `paper`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaperParameters {
+    /// Effective radius r_e in spacings, 2.1 to 4.0; larger is smoother and slower.
+    pub influence_radius: f64,
+    /// Share of the density error removed per step, 0 to 1; larger holds the volume better and rings more.
+    pub alpha: f64,
+    /// Form of the source term.
+    pub source: Source,
+    /// Courant number u dt / l0, 0.01 to 0.5.
+    pub courant: f64,
+    /// Strength of particle shifting, 0 (off) to 0.5.
+    pub shifting: f64,
+    /// Whether negative pressures pull particles together. Without, they count as zero in the gradient, as usual for
+    /// this scheme: its one-sided gradient turns a pressure minimum into a repulsion of everything around it. Loads
+    /// always use the pressure as solved, since coupling relies on their being affine in the wall's acceleration.
+    pub tension: bool,
+    /// Distance in spacings below which approaching particles collide, 0 to 1.
+    pub collision_distance: f64,
+    /// Coefficient of restitution of a collision, 0 to 1.
+    pub restitution: f64,
+    /// Share of n0 below which a particle may lie on the surface, 0.8 to 1.
+    pub surface_density: f64,
+    /// Distance of the neighbours' centroid in spacings above which it does, 0 to 1.
+    pub surface_deviation: f64,
+}
+
+/// Parameters of the pressure solver.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolveParameters {
+    /// Relative residual to reach, above 0 and at most 0.1.
+    pub tolerance: f64,
+    /// Iterations allowed.
+    pub maximum_iterations: usize,
+}
+
+/// What there is besides numbers. Coordinates in metres.
+#[derive(Debug, Clone, Default)]
+pub struct Geometry {
+    /// Bodies of water at the start, closed polygons.
+    pub water: Vec<Vec<Vector2<f64>>>,
+    /// Fixed walls, fluid on the left when walked along.
+    pub fixed_walls: Vec<Vec<Vector2<f64>>>,
+    /// The moving body.
+    pub body: Option<Body>,
+    /// Points where the pressure is reported.
+    pub probes: Vec<Vector2<f64>>,
+    /// Regions whose water mass is reported, closed polygons.
+    pub regions: Vec<Vec<Vector2<f64>>>,
+}
+
+fn within(name: &'static str, got: f64, low: f64, high: f64) -> Result<(), Error> {
+    if got.is_finite() && (low..=high).contains(&got) {
+        return Ok(());
+    }
+    Err(Error::Parameter { name, got, expected: format!("a number from {low} to {high}") })
+}
+
+impl Parameters {
+    /// Checks every number against its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        within("density", self.density, f64::MIN_POSITIVE, f64::MAX)?;
+        within("spacing", self.spacing, f64::MIN_POSITIVE, f64::MAX)?;
+        within("gravity.x", self.gravity.x, -1e6, 1e6)?;
+        within("gravity.y", self.gravity.y, -1e6, 1e6)?;
+        within("solve.tolerance", self.solve.tolerance, 1e-15, 0.1)?;
+        within("solve.maximum_iterations", self.solve.maximum_iterations as f64, 1.0, 1e9)?;
+        match &self.scheme {
+            Scheme::Paper(paper) => paper.validate(),
+        }
+    }
+}
+
+impl PaperParameters {
+    fn validate(&self) -> Result<(), Error> {
+        within("influence_radius", self.influence_radius, 2.1, 4.0)?;
+        within("alpha", self.alpha, 0.0, 1.0)?;
+        within("courant", self.courant, 0.01, 0.5)?;
+        within("shifting", self.shifting, 0.0, 0.5)?;
+        within("collision_distance", self.collision_distance, 0.0, 1.0)?;
+        within("restitution", self.restitution, 0.0, 1.0)?;
+        within("surface_density", self.surface_density, 0.8, 1.0)?;
+        within("surface_deviation", self.surface_deviation, 0.0, 1.0)
+    }
+}

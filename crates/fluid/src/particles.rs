@@ -1,0 +1,149 @@
+//! What happens to particles after the pressure: correction, shifting, collisions, walls.
+
+use crate::parallel;
+use crate::prepare::{Prepared, Setting};
+use crate::state::State;
+use crate::walls::Walls;
+use nalgebra::Vector2;
+
+/// Corrects velocities and positions with the pressure gradient: u = u* - dt grad p / rho, r = r* + (u - u*) dt.
+pub fn correct(
+    state: &mut State,
+    prepared: &Prepared,
+    setting: &Setting,
+    time_step: f64,
+    scratch: &mut Vec<Vector2<f64>>,
+) {
+    let operators = prepared.operators(&setting.kernel);
+    let density = setting.parameters.density;
+    let least = if setting.paper.tension { f64::NEG_INFINITY } else { 0.0 };
+    let pressure = |i: usize| state.pressures[i].max(least);
+    scratch.resize(state.positions.len(), Vector2::zeros());
+    parallel::fill(scratch, |i| {
+        operators.pressure_gradient(i, pressure, |image| prepared.rise(setting, image)) * (-time_step / density)
+    });
+    let gravity = setting.parameters.gravity * time_step;
+    for (i, change) in scratch.iter().enumerate() {
+        state.velocities[i] += gravity + change;
+        state.positions[i] = prepared.positions[i] + change * time_step;
+    }
+}
+
+/// Moves interior particles away from crowds, by `shifting` spacings for a full Courant step and a one-sided crowd.
+/// Velocities stay: the shift is a small fraction of what a particle moves in the step.
+pub fn shift(
+    state: &mut State,
+    prepared: &Prepared,
+    setting: &Setting,
+    time_step: f64,
+    scratch: &mut Vec<Vector2<f64>>,
+) {
+    if setting.paper.shifting == 0.0 {
+        return;
+    }
+    let operators = prepared.operators(&setting.kernel);
+    let reference = setting.kernel.reference_density;
+    let velocities = &state.velocities;
+    parallel::fill(scratch, |i| {
+        let interior = prepared.densities[i].number_density > setting.paper.surface_density * reference;
+        if prepared.surface[i] || !interior {
+            return Vector2::zeros();
+        }
+        let travel = velocities[i].norm() * time_step / (setting.paper.courant * setting.spacing);
+        operators.crowding(i) * (-setting.paper.shifting * setting.spacing * travel.min(1.0))
+    });
+    for (position, change) in state.positions.iter_mut().zip(scratch.iter()) {
+        *position += change;
+    }
+}
+
+/// Collisions of pairs nearer than the collision distance: equal masses, coefficient of restitution e.
+///
+/// Each particle adds up the impulses of its own close neighbours; the pair's other half adds the opposite, so that
+/// momentum is kept.
+pub fn collide(state: &mut State, prepared: &Prepared, setting: &Setting, scratch: &mut Vec<Vector2<f64>>) {
+    let reach = setting.paper.collision_distance * setting.spacing;
+    let strength = 0.5 * (1.0 + setting.paper.restitution);
+    let (positions, velocities) = (&state.positions, &state.velocities);
+    parallel::fill(scratch, |i| {
+        let mut change = Vector2::zeros();
+        for neighbour in prepared.around.neighbours.of(i) {
+            let j = neighbour.index as usize;
+            let between = positions[j] - positions[i];
+            let squared = between.norm_squared();
+            if squared >= reach * reach || squared == 0.0 {
+                continue;
+            }
+            let closing = (velocities[i] - velocities[j]).dot(&between) / squared;
+            if closing > 0.0 {
+                change -= between * (strength * closing);
+            }
+        }
+        change
+    });
+    for (velocity, change) in state.velocities.iter_mut().zip(scratch.iter()) {
+        *velocity += change;
+    }
+}
+
+/// Keeps particles in front of the walls where these stand at the end of the step; returns the number of contacts.
+///
+/// A particle nearer than half the collision distance (so that its image is a colliding neighbour) loses its
+/// approaching velocity as in a collision, and none comes nearer than a tenth of a spacing.
+pub fn stop_at_walls(
+    state: &mut State,
+    prepared: &Prepared,
+    walls: &Walls,
+    setting: &Setting,
+    velocity_of: impl Fn(u32, f64) -> Vector2<f64>,
+) -> usize {
+    let reach = 0.5 * setting.paper.collision_distance * setting.spacing;
+    let least = 0.1 * setting.spacing;
+    let mut contacts = 0;
+    for i in 0..state.positions.len() {
+        for entry in prepared.attachments.of(i) {
+            let chain = &walls.chains[entry.chain as usize];
+            let Some(segment) = walls.segments[chain.first..chain.last].iter().min_by(|a, b| {
+                a.squared_distance(&state.positions[i]).total_cmp(&b.squared_distance(&state.positions[i]))
+            }) else {
+                continue;
+            };
+            let (distance, along) = segment.local(&state.positions[i]);
+            if distance >= reach || !(-least..=segment.length + least).contains(&along) {
+                continue;
+            }
+            contacts += 1;
+            let fraction = (along / segment.length).clamp(0.0, 1.0);
+            let relative = state.velocities[i] - velocity_of(segment.panel, fraction);
+            let closing = relative.dot(&segment.normal);
+            if closing > 0.0 {
+                state.velocities[i] -= segment.normal * ((1.0 + setting.paper.restitution) * closing);
+            }
+            if distance < least {
+                state.positions[i] -= segment.normal * (least - distance);
+            }
+        }
+    }
+    contacts
+}
+
+/// Removes particles that left the domain and returns their number.
+pub fn remove_lost(state: &mut State, low: &Vector2<f64>, high: &Vector2<f64>) -> usize {
+    let inside = |point: &Vector2<f64>| point.x >= low.x && point.x <= high.x && point.y >= low.y && point.y <= high.y;
+    if state.positions.iter().all(inside) {
+        return 0;
+    }
+    let keep: Vec<bool> = state.positions.iter().map(inside).collect();
+    let before = keep.len();
+    retain(&mut state.velocities, &keep);
+    retain(&mut state.pressures, &keep);
+    retain(&mut state.number_densities, &keep);
+    retain(&mut state.surface, &keep);
+    retain(&mut state.positions, &keep);
+    before - state.positions.len()
+}
+
+fn retain<T>(values: &mut Vec<T>, keep: &[bool]) {
+    let mut flags = keep.iter();
+    values.retain(|_| flags.next().copied().unwrap_or(true));
+}

@@ -1,0 +1,236 @@
+//! The part of an internal step that depends on the state alone: prediction, neighbours, matrix, preconditioner.
+//!
+//! Coupling iterations repeat a step from the same state with other motions of the body. What is prepared here is
+//! kept in the workspace under the fingerprint of its state, so that a repeat only solves.
+
+use crate::free_surface;
+use crate::images;
+use crate::kernel::Kernel;
+use crate::matrix::Matrix;
+use crate::motion::foretell;
+use crate::multigrid::Multigrid;
+use crate::neighbours::Neighbourhood;
+use crate::operators::{Density, Operators};
+use crate::parallel::{self, Lists};
+use crate::parameters::{Geometry, PaperParameters, Parameters, Source};
+use crate::report::{StageTimes, Watch};
+use crate::state::State;
+use crate::walls::{Attachment, PanelMotion, WallLayout, Walls};
+use kinematics::Motion;
+use nalgebra::Vector2;
+
+/// What stays the same over all internal steps of a solver.
+#[derive(Debug, Clone)]
+pub struct Setting {
+    pub parameters: Parameters,
+    pub paper: PaperParameters,
+    pub geometry: Geometry,
+    pub layout: WallLayout,
+    pub kernel: Kernel,
+    /// Side of the square of a particle's area \[m\].
+    pub spacing: f64,
+}
+
+impl Setting {
+    /// n0 lambda / (2 d): the paper's Laplacian is the matrix divided by minus this.
+    pub fn laplacian_scale(&self) -> f64 {
+        self.kernel.reference_density * self.kernel.lambda / (2.0 * crate::operators::DIMENSIONS)
+    }
+}
+
+/// Everything prepared for one internal step, and the scratch it needs.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    key: Option<(u64, u64)>,
+    /// Foretold coordinates of the body, where walls stand during the step.
+    pub foretold: Motion,
+    /// Walls at those coordinates.
+    pub walls: Walls,
+    walls_placed: bool,
+    /// Wall velocities at the start of the step.
+    pub panels: PanelMotion,
+    /// Predicted positions r* \[m\].
+    pub positions: Vec<Vector2<f64>>,
+    /// Walls near each particle.
+    pub attachments: Lists<Attachment>,
+    /// Neighbours and images at the predicted positions.
+    pub around: Neighbourhood,
+    /// Number density and centroid of each particle.
+    pub densities: Vec<Density>,
+    /// Particles on the free surface.
+    pub surface: Vec<bool>,
+    /// Source of the Poisson equation at each row, already scaled to the matrix, without the walls' part \[Pa\].
+    pub source: Vec<f64>,
+    /// Matrix of the pressure.
+    pub matrix: Matrix,
+    /// Preconditioner of the pressure solve.
+    pub multigrid: Multigrid,
+    points: Vec<Vector2<f64>>,
+    reached: Vec<bool>,
+    queue: Vec<u32>,
+}
+
+impl Prepared {
+    pub fn new(modes: usize) -> Self {
+        Self {
+            key: None,
+            foretold: Motion::at_rest(modes),
+            walls: Walls::default(),
+            walls_placed: false,
+            panels: PanelMotion::default(),
+            positions: Vec::new(),
+            attachments: Lists::default(),
+            around: Neighbourhood::default(),
+            densities: Vec::new(),
+            surface: Vec::new(),
+            source: Vec::new(),
+            matrix: Matrix::default(),
+            multigrid: Multigrid::default(),
+            points: Vec::new(),
+            reached: Vec::new(),
+            queue: Vec::new(),
+        }
+    }
+
+    /// The operators at the predicted positions.
+    pub fn operators<'a>(&'a self, kernel: &'a Kernel) -> Operators<'a> {
+        Operators { positions: &self.positions, around: &self.around, kernel, panels: &self.panels }
+    }
+
+    /// Prepares the step from `state`; returns false when the workspace held it already.
+    pub fn update(&mut self, setting: &Setting, state: &State, time_step: f64, stages: &mut StageTimes) -> bool {
+        let mut watch = Watch::start();
+        let key = Some((state.fingerprint(), time_step.to_bits()));
+        if self.key == key {
+            return false;
+        }
+        self.key = None;
+        foretell(&state.motion, time_step, &mut self.foretold);
+        self.place_walls(setting, state);
+        self.predict(setting, state, time_step);
+        self.around.build(&self.positions, &self.attachments, &self.walls, &setting.kernel);
+        watch.lap(&mut stages.neighbours);
+        let enclosed = self.classify(setting);
+        self.build_source(setting, state, time_step);
+        self.matrix.assemble(&self.around, &self.surface, enclosed);
+        let mut points = std::mem::take(&mut self.points);
+        self.matrix.gather_positions(&self.positions, &mut points);
+        self.multigrid.set_up(&self.matrix, &points, setting.spacing, setting.laplacian_scale());
+        self.points = points;
+        self.gather_source();
+        self.key = key;
+        watch.lap(&mut stages.assembly);
+        true
+    }
+
+    /// Forgets what is kept, for a state that is about to change.
+    pub fn forget(&mut self) {
+        self.key = None;
+    }
+
+    fn place_walls(&mut self, setting: &Setting, state: &State) {
+        let Some(body) = &setting.geometry.body else {
+            if !self.walls_placed {
+                self.walls.place(&setting.layout, None, setting.kernel.radius, setting.spacing);
+                self.walls_placed = true;
+            }
+            return;
+        };
+        let at = Some((body, &self.foretold.position));
+        self.walls.place(&setting.layout, at, setting.kernel.radius, setting.spacing);
+        self.panels.set_start(&setting.layout.panels, body, &state.motion);
+    }
+
+    /// Predictor: u* = u + g dt, r* = r + u* dt, stopping at walls.
+    fn predict(&mut self, setting: &Setting, state: &State, time_step: f64) {
+        let fall = setting.parameters.gravity * (time_step * time_step);
+        self.positions.resize(state.positions.len(), Vector2::zeros());
+        parallel::fill(&mut self.positions, |i| state.positions[i] + state.velocities[i] * time_step + fall);
+        let walls = &self.walls;
+        let least = 0.05 * setting.spacing;
+        let mut positions = std::mem::take(&mut self.positions);
+        {
+            let predicted = &positions;
+            self.attachments.build(predicted.len(), |i, out| walls.attach(&predicted[i], out));
+        }
+        let attachments = &self.attachments;
+        let stop = |i: usize, position: Vector2<f64>| {
+            let near = attachments.of(i).iter().filter(|entry| entry.distance < least);
+            near.fold(position, |place, entry| place - entry.normal * (least - entry.distance))
+        };
+        for (i, position) in positions.iter_mut().enumerate() {
+            *position = stop(i, *position);
+        }
+        self.positions = positions;
+    }
+
+    fn classify(&mut self, setting: &Setting) -> bool {
+        let count = self.positions.len();
+        self.densities.resize(count, Density::default());
+        let mut densities = std::mem::take(&mut self.densities);
+        let operators = self.operators(&setting.kernel);
+        parallel::fill(&mut densities, |i| operators.density(i));
+        self.densities = densities;
+        self.surface.resize(count, false);
+        let (reference, densities) = (setting.kernel.reference_density, &self.densities);
+        parallel::fill(&mut self.surface, |i| {
+            free_surface::is_surface(&densities[i], reference, setting.spacing, &setting.paper)
+        });
+        free_surface::settle_enclosed(&self.around, &mut self.surface, &mut self.reached, &mut self.queue)
+    }
+
+    /// The paper's equation (5), times -n0 lambda / (2 d), for every particle.
+    ///
+    /// Gravity is uniform, so that div u* = div u; images reflect u about the wall's velocity at the start, and what
+    /// the wall does during the step enters with the images' pressure.
+    fn build_source(&mut self, setting: &Setting, state: &State, time_step: f64) {
+        let mut source = std::mem::take(&mut self.source);
+        source.resize(self.positions.len(), 0.0);
+        let operators = self.operators(&setting.kernel);
+        let (surface, densities) = (&self.surface, &self.densities);
+        let density = setting.parameters.density;
+        let reference = setting.kernel.reference_density;
+        let scale = -setting.laplacian_scale();
+        parallel::fill(&mut source, |i| {
+            if surface[i] {
+                return 0.0;
+            }
+            let divergence = operators.divergence(i, &state.velocities);
+            let lack = (reference - densities[i].number_density) / reference;
+            scale * density * source_term(&setting.paper, divergence, lack, time_step)
+        });
+        self.source = source;
+    }
+
+    /// Brings the source from particles to rows; rows ascend with particles, so this can be done in place.
+    fn gather_source(&mut self) {
+        for (row, &i) in self.matrix.particles.iter().enumerate() {
+            self.source[row] = self.source[i as usize];
+        }
+        self.source.truncate(self.matrix.size());
+    }
+
+    /// Pressure of an image above that of its particle \[Pa\].
+    pub fn rise(&self, setting: &Setting, image: &images::Image) -> f64 {
+        setting.parameters.density * image.pressure_rise(&setting.parameters.gravity, &self.panels)
+    }
+}
+
+/// Right side of the Poisson equation over the density \[1/s2\].
+///
+/// `lack` is (n0 - n) / n0. Mixed: the paper's equation (5), with n at the predicted positions; the difference to the
+/// printed n^k is alpha times the divergence already present. Adaptive: Sun et al. (2015), with the density error
+/// clipped at two per cent.
+fn source_term(paper: &PaperParameters, divergence: f64, lack: f64, time_step: f64) -> f64 {
+    match paper.source {
+        Source::Mixed => (1.0 - paper.alpha) * divergence / time_step + paper.alpha * lack / (time_step * time_step),
+        Source::Adaptive => {
+            let clipped = lack.clamp(-0.02, 0.02);
+            let mut share = clipped.abs();
+            if clipped * divergence > 0.0 {
+                share += time_step * divergence.abs();
+            }
+            divergence / time_step + share * clipped / (time_step * time_step)
+        }
+    }
+}

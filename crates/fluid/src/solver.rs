@@ -1,0 +1,370 @@
+//! The solver: one communication step as named stages.
+
+use crate::Error;
+use crate::check;
+use crate::fill;
+use crate::grid::bounding_box;
+use crate::kernel::Kernel;
+use crate::load::{self, PressureField};
+use crate::matrix::NO_ROW;
+use crate::motion::interpolate;
+use crate::observe::{self, Observables};
+use crate::parallel;
+use crate::parameters::{Geometry, Parameters, Scheme};
+use crate::particles;
+use crate::prepare::{Prepared, Setting};
+use crate::pressure::ConjugateGradient;
+use crate::report::{Report, Watch};
+use crate::schedule::{Limits, next_step};
+use crate::state::State;
+use crate::walls::{PanelMotion, WallLayout, Walls};
+use kinematics::Motion;
+use nalgebra::Vector2;
+
+/// The semi-implicit particle method for one scene.
+///
+/// One internal step of length dt:
+/// 1. foretell where the moving walls stand, x + v dt + a dt^2 / 2;
+/// 2. predict u* = u + g dt, r* = r + u* dt;
+/// 3. find neighbours and mirror images at r*, number density n, free surface;
+/// 4. solve lap p = (1 - alpha) rho div u* / dt + alpha rho (n0 - n) / (n0 dt^2) with p = 0 on the surface and
+///    dp/dn = rho (g - a_w).n at walls;
+/// 5. correct u = u* - dt grad p / rho and r with it; shift; collide; stop at walls;
+/// 6. integrate the wall pressure to the load.
+///
+/// Source: Koshizuka and Oka (1996); the mixed source term Tanaka and Masunaga (2010); the paper's equations (1)-(5).
+/// Steps 1-3 do not depend on the motion asked for: a repeat from the same state starts at the solve.
+#[derive(Debug)]
+pub struct Solver {
+    setting: Setting,
+    start: Vec<Vector2<f64>>,
+    domain: (Vector2<f64>, Vector2<f64>),
+    pool: rayon::ThreadPool,
+}
+
+/// Scratch of a solver. It may be thrown away at any time; only time is lost.
+#[derive(Debug, Clone)]
+pub struct Workspace {
+    prepared: Prepared,
+    candidate: Option<State>,
+    solve: ConjugateGradient,
+    target: Motion,
+    /// Frozen coordinates with the velocities at the end of the step.
+    frozen_end: Motion,
+    end_walls: Walls,
+    end_panels: PanelMotion,
+    right_side: Vec<f64>,
+    solution: Vec<f64>,
+    vectors: Vec<Vector2<f64>>,
+    partial: Vec<f64>,
+}
+
+impl Solver {
+    /// Makes a solver; refuses parameters out of range and impossible geometry.
+    pub fn new(parameters: Parameters, geometry: Geometry) -> Result<Self, Error> {
+        parameters.validate()?;
+        check::walls_are_sound(&geometry, parameters.spacing)?;
+        let filling = fill::fill(&geometry.water, parameters.spacing)?;
+        let spacing = filling.effective_spacing;
+        let Scheme::Paper(paper) = &parameters.scheme;
+        let setting = Setting {
+            paper: paper.clone(),
+            kernel: Kernel::new(paper.influence_radius, spacing),
+            layout: WallLayout::new(&geometry, spacing),
+            spacing,
+            parameters,
+            geometry,
+        };
+        let threads = setting.parameters.threads;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
+        let mut walls = Walls::default();
+        let rest = Motion::at_rest(setting.geometry.body.as_ref().map_or(0, |body| body.modes()));
+        let body = setting.geometry.body.as_ref().map(|body| (body, &rest.position));
+        walls.place(&setting.layout, body, setting.kernel.radius, spacing);
+        check::fits_together(&walls, &filling.positions, spacing)?;
+        let corners = walls.segments.iter().flat_map(|segment| [segment.start, segment.end()]);
+        let all: Vec<_> = corners.chain(filling.positions.iter().copied()).collect();
+        let (low, high) = bounding_box(&all);
+        let margin = (high - low).max();
+        let domain = (low.add_scalar(-margin), high.add_scalar(margin));
+        Ok(Self { setting, start: filling.positions, domain, pool })
+    }
+
+    /// Number of modes of the body; 0 without one.
+    pub fn modes(&self) -> usize {
+        self.setting.geometry.body.as_ref().map_or(0, |body| body.modes())
+    }
+
+    /// Side of the square of a particle's area \[m\]: near the spacing asked for, such that the water fits.
+    pub fn effective_spacing(&self) -> f64 {
+        self.setting.spacing
+    }
+
+    /// The water at rest, as the geometry says.
+    pub fn initial_state(&self) -> State {
+        let count = self.start.len();
+        let modes = self.modes();
+        State {
+            time: 0.0,
+            steps: 0,
+            time_step: 0.0,
+            motion: Motion::at_rest(modes),
+            load: vec![0.0; kinematics::RIGID + modes],
+            positions: self.start.clone(),
+            velocities: vec![Vector2::zeros(); count],
+            pressures: vec![0.0; count],
+            number_densities: vec![self.setting.kernel.reference_density; count],
+            surface: vec![false; count],
+            lost: 0,
+        }
+    }
+
+    /// Scratch for this solver.
+    pub fn workspace(&self) -> Workspace {
+        let modes = self.modes();
+        Workspace {
+            prepared: Prepared::new(modes),
+            candidate: None,
+            solve: ConjugateGradient::default(),
+            target: Motion::at_rest(modes),
+            frozen_end: Motion::at_rest(modes),
+            end_walls: Walls::default(),
+            end_panels: PanelMotion::default(),
+            right_side: Vec::new(),
+            solution: Vec::new(),
+            vectors: Vec::new(),
+            partial: Vec::new(),
+        }
+    }
+
+    /// Advances `state` by `duration` \[s\] to the motion `end` of the body. The state changes only on success.
+    pub fn step(
+        &self,
+        state: &mut State,
+        end: &Motion,
+        duration: f64,
+        workspace: &mut Workspace,
+    ) -> Result<Report, Error> {
+        self.check_inputs(state, end, duration)?;
+        let mut candidate = workspace.candidate.take().unwrap_or_else(|| state.clone());
+        candidate.clone_from(state);
+        let result = self.pool.install(|| self.advance(&mut candidate, state, end, duration, workspace));
+        if result.is_ok() {
+            std::mem::swap(state, &mut candidate);
+        }
+        workspace.candidate = Some(candidate);
+        result
+    }
+
+    /// Figures of a state.
+    pub fn observe(&self, state: &State) -> Observables {
+        self.pool.install(|| observe::observe(&self.setting, state))
+    }
+
+    fn check_inputs(&self, state: &State, end: &Motion, duration: f64) -> Result<(), Error> {
+        let refuse = |name: String, got: f64, expected: &str| {
+            Err(Error::Input { name, got, time: state.time, expected: expected.to_string() })
+        };
+        if !(duration.is_finite() && duration > 0.0) {
+            return refuse("duration".to_string(), duration, "a finite number above 0");
+        }
+        for (name, vector) in
+            [("position", &end.position), ("velocity", &end.velocity), ("acceleration", &end.acceleration)]
+        {
+            let length = state.motion.position.len();
+            if vector.len() != length {
+                return refuse(format!("length of motion.{name}"), vector.len() as f64, &format!("{length}"));
+            }
+            if let Some(k) = (0..length).find(|&k| !vector[k].is_finite()) {
+                return refuse(format!("motion.{name}[{k}]"), vector[k], "a finite number");
+            }
+        }
+        Ok(())
+    }
+
+    /// Internal steps until the end of the communication step.
+    fn advance(
+        &self,
+        candidate: &mut State,
+        start: &State,
+        end: &Motion,
+        duration: f64,
+        workspace: &mut Workspace,
+    ) -> Result<Report, Error> {
+        let mut report = Report::default();
+        candidate.load.fill(0.0);
+        let mut done = 0.0;
+        while done < duration {
+            let limits = self.limits(candidate, workspace);
+            let time_step = next_step(&limits, duration - done, candidate.time_step, candidate.time)?;
+            let last = time_step >= duration - done;
+            done = if last { duration } else { done + time_step };
+            let mut target = std::mem::replace(&mut workspace.target, Motion::at_rest(0));
+            target.clone_from(end);
+            interpolate(&start.motion, end, duration, done / duration, &mut target);
+            workspace.target = target;
+            self.internal_step(candidate, time_step, time_step / duration, workspace, &mut report)?;
+            candidate.time = start.time + done;
+        }
+        let limits = self.limits(candidate, workspace);
+        report.suggested_step = limits.stable_step();
+        Ok(report)
+    }
+
+    fn limits(&self, state: &State, workspace: &mut Workspace) -> Limits {
+        let velocities = &state.velocities;
+        let squared = parallel::maximum(velocities.len(), 0.0, |i| velocities[i].norm_squared());
+        let mut speed = squared.sqrt();
+        let mut acceleration = self.setting.parameters.gravity.norm();
+        if let Some(body) = &self.setting.geometry.body {
+            for ends in &self.setting.layout.panels {
+                speed = speed.max(body.velocity(ends[0], &state.motion).norm());
+                speed = speed.max(body.velocity(ends[1], &state.motion).norm());
+                acceleration = acceleration.max(body.acceleration(ends[1], &state.motion).norm());
+            }
+        }
+        workspace.partial.clear();
+        Limits { spacing: self.setting.spacing, courant: self.setting.paper.courant, speed, acceleration }
+    }
+
+    /// One internal step: prepare, solve, correct, keep in front of the walls, load.
+    fn internal_step(
+        &self,
+        state: &mut State,
+        time_step: f64,
+        share: f64,
+        workspace: &mut Workspace,
+        report: &mut Report,
+    ) -> Result<(), Error> {
+        let setting = &self.setting;
+        let fresh = workspace.prepared.update(setting, state, time_step, &mut report.stages);
+        report.reused += usize::from(!fresh);
+        self.set_wall_acceleration(time_step, workspace);
+        self.solve_pressure(state, workspace, report)?;
+        let mut watch = Watch::start();
+        particles::correct(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
+        particles::shift(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
+        particles::collide(state, &workspace.prepared, setting, &mut workspace.vectors);
+        report.contacts += self.keep_in_front(state, workspace);
+        watch.lap(&mut report.stages.gradient);
+        self.add_load(state, share, workspace);
+        self.finish(state, time_step, workspace)?;
+        report.substeps += 1;
+        report.unknowns = workspace.prepared.matrix.size();
+        watch.lap(&mut report.stages.other);
+        Ok(())
+    }
+
+    /// Mean acceleration of every panel over the step, on the foretold geometry: affine in the velocity asked for.
+    fn set_wall_acceleration(&self, time_step: f64, workspace: &mut Workspace) {
+        let Some(body) = &self.setting.geometry.body else { return };
+        workspace.frozen_end.clone_from(&workspace.target);
+        workspace.frozen_end.position.copy_from(&workspace.prepared.foretold.position);
+        workspace.prepared.panels.set_end(&self.setting.layout.panels, body, &workspace.frozen_end, time_step);
+    }
+
+    fn solve_pressure(&self, state: &mut State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
+        let mut watch = Watch::start();
+        let Workspace { prepared, solve, right_side, solution, .. } = workspace;
+        let size = prepared.matrix.size();
+        right_side.resize(size, 0.0);
+        solution.resize(size, 0.0);
+        {
+            let (setting, prepared) = (&self.setting, &*prepared);
+            parallel::fill(right_side, |row| {
+                let i = prepared.matrix.particles[row] as usize;
+                let images = prepared.around.images.of(i);
+                let walls: f64 = images.iter().map(|image| image.weight * prepared.rise(setting, image)).sum();
+                prepared.source[row] + walls
+            });
+            parallel::fill(solution, |row| state.pressures[prepared.matrix.particles[row] as usize]);
+        }
+        let parameters = &self.setting.parameters.solve;
+        let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
+        report.iterations += outcome.iterations;
+        report.residual = report.residual.max(outcome.residual);
+        if outcome.residual > parameters.tolerance || !outcome.residual.is_finite() {
+            return Err(Error::Pressure {
+                time: state.time,
+                iterations: outcome.iterations,
+                residual: outcome.residual,
+                tolerance: parameters.tolerance,
+                unknowns: size,
+            });
+        }
+        let rows = &prepared.matrix.rows;
+        parallel::fill(&mut state.pressures, |i| if rows[i] == NO_ROW { 0.0 } else { solution[rows[i] as usize] });
+        watch.lap(&mut report.stages.solve);
+        Ok(())
+    }
+
+    /// Keeps particles in front of the walls where these stand at the end of the step.
+    fn keep_in_front(&self, state: &mut State, workspace: &mut Workspace) -> usize {
+        let setting = &self.setting;
+        let prepared = &workspace.prepared;
+        let Some(body) = &setting.geometry.body else {
+            return particles::stop_at_walls(state, prepared, &prepared.walls, setting, |_, _| Vector2::zeros());
+        };
+        let at = Some((body, &workspace.target.position));
+        workspace.end_walls.place(&setting.layout, at, setting.kernel.radius, setting.spacing);
+        workspace.end_panels.set_start(&setting.layout.panels, body, &workspace.target);
+        let panels = &workspace.end_panels;
+        particles::stop_at_walls(state, prepared, &workspace.end_walls, setting, |panel, fraction| {
+            panels.velocity(panel, fraction)
+        })
+    }
+
+    /// Adds this internal step's share of the mean load.
+    fn add_load(&self, state: &mut State, share: f64, workspace: &Workspace) {
+        let Some(body) = &self.setting.geometry.body else { return };
+        let prepared = &workspace.prepared;
+        let field = PressureField {
+            grid: &prepared.around.grid,
+            positions: &prepared.positions,
+            pressures: &state.pressures,
+            density: self.setting.parameters.density,
+            gravity: self.setting.parameters.gravity,
+            spacing: self.setting.spacing,
+            walls: &prepared.walls,
+        };
+        let coordinates = &prepared.foretold.position;
+        let panels = &self.setting.layout.panels;
+        load::add_body_load(&field, body, panels, &prepared.panels, coordinates, share, &mut state.load);
+    }
+
+    /// Records what belongs to the state, removes lost particles, and stops anything that is not finite.
+    fn finish(&self, state: &mut State, time_step: f64, workspace: &Workspace) -> Result<(), Error> {
+        let prepared = &workspace.prepared;
+        for (value, density) in state.number_densities.iter_mut().zip(&prepared.densities) {
+            *value = density.number_density;
+        }
+        state.surface.copy_from_slice(&prepared.surface);
+        check_finite(state, &prepared.positions)?;
+        state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
+        state.motion.clone_from(&workspace.target);
+        state.time_step = time_step;
+        state.steps += 1;
+        Ok(())
+    }
+}
+
+fn check_finite(state: &State, before: &[Vector2<f64>]) -> Result<(), Error> {
+    let fail = |field, particle: usize| {
+        let place = before.get(particle).copied().unwrap_or_default();
+        Err(Error::NotFinite { field, particle, time: state.time, x: place.x, y: place.y })
+    };
+    let finite = |vector: &Vector2<f64>| vector.x.is_finite() && vector.y.is_finite();
+    if let Some(i) = state.positions.iter().position(|vector| !finite(vector)) {
+        return fail("position", i);
+    }
+    if let Some(i) = state.velocities.iter().position(|vector| !finite(vector)) {
+        return fail("velocity", i);
+    }
+    match state.pressures.iter().position(|pressure| !pressure.is_finite()) {
+        Some(i) => fail("pressure", i),
+        None => Ok(()),
+    }
+}

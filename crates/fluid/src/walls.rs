@@ -1,0 +1,402 @@
+//! Walls: polylines cut into smooth chains of segments, at one instant.
+//!
+//! A chain is a run of segments without a sharp corner. A particle near a chain is attached to it: it knows its
+//! distance, its place along the chain and the normal there. Everything that walls do is expressed with attachments.
+
+use crate::grid::bounding_box;
+use crate::parameters::Geometry;
+use kinematics::{Body, MaterialPoint, Motion};
+use nalgebra::{DVector, Vector2};
+
+/// Cosine of the largest kink inside a chain (30 degrees); a larger one starts a new chain.
+const SMOOTH: f64 = 0.866;
+
+/// A straight piece of wall at one instant, fluid on its left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// Start \[m\].
+    pub start: Vector2<f64>,
+    /// Unit vector along the segment.
+    pub tangent: Vector2<f64>,
+    /// Unit normal into the solid.
+    pub normal: Vector2<f64>,
+    /// Length \[m\].
+    pub length: f64,
+    /// Chain it belongs to.
+    pub chain: u32,
+    /// Arc length of the chain up to the start \[m\].
+    pub arc: f64,
+    /// Index of the moving panel it is, or `FIXED`.
+    pub panel: u32,
+}
+
+/// Panel index of a segment that does not move.
+pub const FIXED: u32 = u32::MAX;
+
+impl Segment {
+    fn between(start: Vector2<f64>, end: Vector2<f64>, chain: u32, arc: f64, panel: u32) -> Self {
+        let along = end - start;
+        let length = along.norm();
+        let tangent = along / length;
+        Self { start, tangent, normal: Vector2::new(tangent.y, -tangent.x), length, chain, arc, panel }
+    }
+
+    /// End \[m\].
+    pub fn end(&self) -> Vector2<f64> {
+        self.start + self.tangent * self.length
+    }
+
+    /// Distance of a point in front of the segment's line (negative behind) and its place along the line \[m\].
+    pub fn local(&self, point: &Vector2<f64>) -> (f64, f64) {
+        let relative = point - self.start;
+        (-self.normal.dot(&relative), self.tangent.dot(&relative))
+    }
+
+    /// Squared distance of a point to the segment \[m2\].
+    pub fn squared_distance(&self, point: &Vector2<f64>) -> f64 {
+        let (distance, along) = self.local(point);
+        let beyond = along - along.clamp(0.0, self.length);
+        distance * distance + beyond * beyond
+    }
+
+    /// Whether the straight line from `a` to `b` passes through the segment.
+    pub fn is_crossed(&self, a: &Vector2<f64>, b: &Vector2<f64>) -> bool {
+        let (distance_a, along_a) = self.local(a);
+        let (distance_b, along_b) = self.local(b);
+        if distance_a * distance_b >= 0.0 {
+            return false;
+        }
+        let along = (along_a * distance_b - along_b * distance_a) / (distance_b - distance_a);
+        (0.0..=self.length).contains(&along)
+    }
+}
+
+/// A run of segments without a sharp corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chain {
+    /// First segment.
+    pub first: usize,
+    /// One past the last segment.
+    pub last: usize,
+    /// How far behind the wall another wetted face may lie \[m\].
+    pub depth: f64,
+    /// Length \[m\].
+    pub length: f64,
+}
+
+/// A particle's relation to a chain near it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attachment {
+    /// Chain.
+    pub chain: u32,
+    /// Nearest segment.
+    pub segment: u32,
+    /// Distance from the wall \[m\], positive in front.
+    pub distance: f64,
+    /// Arc length along the chain \[m\]; beyond its ends the end segments are prolonged.
+    pub arc: f64,
+    /// Unit normal into the solid at the nearest segment.
+    pub normal: Vector2<f64>,
+}
+
+/// Which walls there are: the fixed polylines and the body's panels.
+#[derive(Debug, Clone)]
+pub struct WallLayout {
+    fixed: Vec<Vec<Vector2<f64>>>,
+    /// Panels of the body, merged where a rigid wall is straight.
+    pub panels: Vec<[MaterialPoint; 2]>,
+    /// Depth behind each panel \[m\].
+    panel_depth: Vec<f64>,
+}
+
+impl WallLayout {
+    /// Lays out the walls of a geometry; panels of a bending beam are at most two spacings long.
+    pub fn new(geometry: &Geometry, spacing: f64) -> Self {
+        let mut layout = Self { fixed: geometry.fixed_walls.clone(), panels: Vec::new(), panel_depth: Vec::new() };
+        if let Some(body) = &geometry.body {
+            let thickness = body.beam.as_ref().map_or(f64::INFINITY, |beam| beam.thickness);
+            for panel in body.panels(2.0 * spacing) {
+                layout.add_panel(panel.ends, thickness);
+            }
+        }
+        layout
+    }
+
+    fn add_panel(&mut self, ends: [MaterialPoint; 2], thickness: f64) {
+        let [MaterialPoint::Rigid(start), MaterialPoint::Rigid(end)] = ends else {
+            self.panels.push(ends);
+            self.panel_depth.push(thickness);
+            return;
+        };
+        if let Some([MaterialPoint::Rigid(before), MaterialPoint::Rigid(joint)]) = self.panels.last_mut() {
+            let straight = (*joint - *before).normalize().dot(&(end - start).normalize()) > 1.0 - 1e-9;
+            if (*joint - start).norm() < 1e-12 && straight {
+                *joint = end;
+                return;
+            }
+        }
+        self.panels.push(ends);
+        self.panel_depth.push(f64::INFINITY);
+    }
+}
+
+/// All walls at one instant.
+#[derive(Debug, Clone, Default)]
+pub struct Walls {
+    /// Segments, chain after chain.
+    pub segments: Vec<Segment>,
+    /// Chains.
+    pub chains: Vec<Chain>,
+    /// Pairs of chains that meet in a corner with the fluid inside.
+    concave: Vec<(u32, u32)>,
+    cells: CandidateCells,
+    radius: f64,
+    spacing: f64,
+}
+
+impl Walls {
+    /// Places the walls for the given coordinates of the body; attachments reach `radius` \[m\].
+    pub fn place(&mut self, layout: &WallLayout, body: Option<(&Body, &DVector<f64>)>, radius: f64, spacing: f64) {
+        self.segments.clear();
+        self.chains.clear();
+        (self.radius, self.spacing) = (radius, spacing);
+        for polyline in &layout.fixed {
+            for (k, pair) in polyline.windows(2).enumerate() {
+                self.add_segment(pair[0], pair[1], FIXED, f64::INFINITY, k > 0);
+            }
+        }
+        if let Some((body, coordinates)) = body {
+            for (index, ends) in layout.panels.iter().enumerate() {
+                let joined = index > 0 && layout.panels[index - 1][1] == ends[0];
+                let place = |point| body.place(point, coordinates);
+                self.add_segment(place(ends[0]), place(ends[1]), index as u32, layout.panel_depth[index], joined);
+            }
+        }
+        self.find_concave_corners();
+        self.cells.build(&self.segments, radius);
+    }
+
+    fn add_segment(&mut self, start: Vector2<f64>, end: Vector2<f64>, panel: u32, depth: f64, joined: bool) {
+        let mut segment = Segment::between(start, end, 0, 0.0, panel);
+        let smooth = |previous: &Segment| previous.tangent.dot(&segment.tangent) > SMOOTH;
+        if !(joined && self.segments.last().is_some_and(smooth)) {
+            let first = self.segments.len();
+            self.chains.push(Chain { first, last: first, depth, length: 0.0 });
+        }
+        let index = self.chains.len() - 1;
+        let chain = &mut self.chains[index];
+        segment.chain = index as u32;
+        segment.arc = chain.length;
+        chain.length += segment.length;
+        chain.last += 1;
+        self.segments.push(segment);
+    }
+
+    /// A corner is concave when one chain ends on another and runs away from it on the other's wet side.
+    fn find_concave_corners(&mut self) {
+        self.concave.clear();
+        let near = 0.3 * self.spacing;
+        for (index, chain) in self.chains.iter().enumerate() {
+            let (first, last) = (&self.segments[chain.first], &self.segments[chain.last - 1]);
+            for (point, away) in [(first.start, first.tangent), (last.end(), -last.tangent)] {
+                let touches = |segment: &&Segment| {
+                    segment.chain as usize != index
+                        && segment.squared_distance(&point) < near * near
+                        && segment.normal.dot(&away) < -0.3
+                };
+                for other in self.segments.iter().filter(touches) {
+                    let pair = (other.chain.min(index as u32), other.chain.max(index as u32));
+                    if !self.concave.contains(&pair) {
+                        self.concave.push(pair);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether two chains meet in a corner with the fluid inside.
+    pub fn meet_in_concave_corner(&self, a: u32, b: u32) -> bool {
+        self.concave.contains(&(a.min(b), a.max(b)))
+    }
+
+    /// Segments that may be within the radius of a point.
+    pub fn candidates(&self, point: &Vector2<f64>) -> &[u32] {
+        self.cells.of(point)
+    }
+
+    /// Whether a wall stands between two points, judged by the candidates of the first.
+    pub fn separates(&self, a: &Vector2<f64>, b: &Vector2<f64>) -> bool {
+        self.candidates(a).iter().any(|&segment| self.segments[segment as usize].is_crossed(a, b))
+    }
+
+    /// Appends the attachments of a particle: one per chain that it is in front of and that no other wall hides.
+    pub fn attach(&self, point: &Vector2<f64>, out: &mut Vec<Attachment>) {
+        let begin = out.len();
+        let candidates = self.candidates(point);
+        for &index in candidates {
+            let segment = &self.segments[index as usize];
+            let known = out[begin..].iter().position(|entry| entry.chain == segment.chain);
+            match known {
+                Some(at) => {
+                    let best = self.segments[out[begin + at].segment as usize].squared_distance(point);
+                    if segment.squared_distance(point) < best {
+                        out[begin + at] = self.attachment(index, point);
+                    }
+                }
+                None => out.push(self.attachment(index, point)),
+            }
+        }
+        let mut keep = begin;
+        for at in begin..out.len() {
+            if self.counts(&out[at], point, candidates) {
+                out[keep] = out[at];
+                keep += 1;
+            }
+        }
+        out.truncate(keep);
+    }
+
+    fn attachment(&self, index: u32, point: &Vector2<f64>) -> Attachment {
+        let segment = &self.segments[index as usize];
+        let (distance, along) = segment.local(point);
+        Attachment { chain: segment.chain, segment: index, distance, arc: segment.arc + along, normal: segment.normal }
+    }
+
+    fn counts(&self, entry: &Attachment, point: &Vector2<f64>, candidates: &[u32]) -> bool {
+        let chain = &self.chains[entry.chain as usize];
+        let behind = 0.35 * self.spacing;
+        let overhang = entry.arc - entry.arc.clamp(0.0, chain.length);
+        // A particle slightly behind its own wall is still attached, so that it can be put back; one on the far side
+        // of a thin solid is not.
+        let lowest = if overhang == 0.0 { -behind.min(0.5 * chain.depth) } else { 0.0 };
+        if entry.distance < lowest || entry.distance >= self.radius || overhang.abs() >= self.radius {
+            return false;
+        }
+        let foot = point + entry.normal * (0.99 * entry.distance);
+        !candidates.iter().any(|&other| {
+            let segment = &self.segments[other as usize];
+            segment.chain != entry.chain && segment.is_crossed(point, &foot)
+        })
+    }
+
+    /// Segment of a chain at an arc length, and the fraction of its length.
+    pub fn locate(&self, chain: u32, arc: f64) -> (u32, f64) {
+        let chain = &self.chains[chain as usize];
+        let run = &self.segments[chain.first..chain.last];
+        let after = run.partition_point(|segment| segment.arc <= arc);
+        let index = after.saturating_sub(1);
+        let fraction = ((arc - run[index].arc) / run[index].length).clamp(0.0, 1.0);
+        ((chain.first + index) as u32, fraction)
+    }
+}
+
+/// Which segments may be near a place.
+#[derive(Debug, Clone, Default)]
+struct CandidateCells {
+    origin: Vector2<f64>,
+    inverse_size: f64,
+    columns: usize,
+    rows: usize,
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl CandidateCells {
+    fn build(&mut self, segments: &[Segment], radius: f64) {
+        let corners: Vec<_> = segments.iter().flat_map(|segment| [segment.start, segment.end()]).collect();
+        let (low, high) = bounding_box(&corners);
+        let size = radius;
+        self.origin = low.add_scalar(-2.0 * radius);
+        self.inverse_size = 1.0 / size;
+        self.columns = ((high.x - low.x + 4.0 * radius) / size) as usize + 1;
+        self.rows = ((high.y - low.y + 4.0 * radius) / size) as usize + 1;
+        let mut entries = Vec::new();
+        for (index, segment) in segments.iter().enumerate() {
+            self.mark(segment, radius, |cell| entries.push((cell as u32, index as u32)));
+        }
+        entries.sort_unstable();
+        self.starts.clear();
+        self.starts.resize(self.columns * self.rows + 1, 0);
+        self.members.clear();
+        for (cell, segment) in entries {
+            self.starts[cell as usize + 1] += 1;
+            self.members.push(segment);
+        }
+        for cell in 1..self.starts.len() {
+            self.starts[cell] += self.starts[cell - 1];
+        }
+    }
+
+    fn mark(&self, segment: &Segment, radius: f64, mut enter: impl FnMut(usize)) {
+        let size = 1.0 / self.inverse_size;
+        let reach = radius + 0.75 * size;
+        let index = |value: f64| (value * self.inverse_size).floor().max(0.0) as usize;
+        let low = segment.start.inf(&segment.end()) - self.origin;
+        let high = segment.start.sup(&segment.end()) - self.origin;
+        for row in index(low.y - reach)..=index(high.y + reach).min(self.rows - 1) {
+            for column in index(low.x - reach)..=index(high.x + reach).min(self.columns - 1) {
+                let centre = self.origin + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * size;
+                if segment.squared_distance(&centre) < reach * reach {
+                    enter(row * self.columns + column);
+                }
+            }
+        }
+    }
+
+    fn of(&self, point: &Vector2<f64>) -> &[u32] {
+        let relative = (point - self.origin) * self.inverse_size;
+        let inside = relative.x >= 0.0 && relative.y >= 0.0;
+        let (column, row) = (relative.x as usize, relative.y as usize);
+        if !inside || column >= self.columns || row >= self.rows {
+            return &[];
+        }
+        let cell = row * self.columns + column;
+        &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+}
+
+/// Velocity of both ends of every moving panel at the start of an internal step, and its mean acceleration over it.
+#[derive(Debug, Clone, Default)]
+pub struct PanelMotion {
+    velocity: Vec<[Vector2<f64>; 2]>,
+    acceleration: Vec<[Vector2<f64>; 2]>,
+}
+
+impl PanelMotion {
+    /// Velocities at the start of the step, from the body's motion there.
+    pub fn set_start(&mut self, panels: &[[MaterialPoint; 2]], body: &Body, start: &Motion) {
+        self.velocity.clear();
+        self.velocity.extend(panels.iter().map(|ends| ends.map(|point| body.velocity(point, start))));
+    }
+
+    /// Mean accelerations over the step: `end` carries the frozen coordinates and the velocities at the end. They are
+    /// affine in those velocities, which is what makes the load affine in the acceleration.
+    pub fn set_end(&mut self, panels: &[[MaterialPoint; 2]], body: &Body, end: &Motion, time_step: f64) {
+        self.acceleration.clear();
+        for (ends, velocity) in panels.iter().zip(&self.velocity) {
+            let at = |k: usize| (body.velocity(ends[k], end) - velocity[k]) / time_step;
+            self.acceleration.push([at(0), at(1)]);
+        }
+    }
+
+    /// Velocity of a wall point at the start of the step \[m/s\].
+    #[inline]
+    pub fn velocity(&self, panel: u32, fraction: f64) -> Vector2<f64> {
+        interpolate(&self.velocity, panel, fraction)
+    }
+
+    /// Mean acceleration of a wall point over the step \[m/s2\].
+    #[inline]
+    pub fn acceleration(&self, panel: u32, fraction: f64) -> Vector2<f64> {
+        interpolate(&self.acceleration, panel, fraction)
+    }
+}
+
+#[inline]
+fn interpolate(values: &[[Vector2<f64>; 2]], panel: u32, fraction: f64) -> Vector2<f64> {
+    if panel == FIXED {
+        return Vector2::zeros();
+    }
+    let ends = &values[panel as usize];
+    ends[0] + (ends[1] - ends[0]) * fraction
+}
