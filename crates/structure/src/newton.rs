@@ -31,11 +31,10 @@ impl Solver {
         }
     }
 
-    /// Sizes of the load and of the forces at the start of the step.
+    /// Sizes of the load and of the forces at the start of the step, whose mass matrix the workspace already holds.
     fn measure_start(&self, state: &State, start: &DVector<f64>, load: &DVector<f64>, workspace: &mut Workspace) {
         workspace.point.clone_from(&state.motion);
         workspace.point.acceleration.copy_from(start);
-        self.dynamics().mass_matrix(&state.motion.position, &mut workspace.mass);
         let sizes = &mut workspace.sizes[0];
         sizes.zip_apply(load, |entry, value| *entry = value.abs());
         self.dynamics().add_force_sizes(&workspace.point, &workspace.mass, sizes);

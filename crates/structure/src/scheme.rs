@@ -59,3 +59,32 @@ impl Scheme {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coefficients_are_those_of_chung_and_hulbert() {
+        // rho = 1 is the midpoint rule with the weights of the average acceleration, rho = 0 annihilates (their section 4).
+        for (rho_infinity, expected) in [(1.0, [0.5, 0.5, 0.25, 0.5]), (0.0, [-1.0, 0.0, 1.0, 1.5])] {
+            let scheme = Scheme::new(Integrator::GeneralisedAlpha { rho_infinity });
+            assert_eq!([scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma], expected);
+            assert!(scheme.remembers);
+        }
+    }
+
+    #[test]
+    fn newmark_asks_for_equilibrium_at_the_end() {
+        let scheme = Scheme::new(Integrator::default());
+        let start = Motion::at_rest(1);
+        let mut end = Motion::at_rest(1);
+        let acceleration = DVector::from_vec(vec![2.0, 0.0, -4.0, 1.0]);
+        scheme.predict(&start, &acceleration, 0.5, &mut end);
+        assert_eq!(end.position, 0.125 * &acceleration);
+        assert_eq!(end.velocity, 0.5 * &acceleration);
+        let mut point = Motion::at_rest(1);
+        scheme.point(&start, &acceleration, &end, &mut point);
+        assert_eq!(point, end);
+    }
+}

@@ -62,3 +62,28 @@ impl FreeCoordinates {
         full
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn locked_coordinates_leave_and_come_back_as_zeros() {
+        let free = FreeCoordinates::new([false, true, false], 2);
+        assert_eq!((free.count(), free.contains(0), free.contains(1), free.contains(4)), (3, false, true, true));
+        let full = DVector::from_vec(vec![1.0, 2.0, 3.0, 4.0, 5.0]);
+        let reduced = free.gather(&full);
+        assert_eq!(reduced, DVector::from_vec(vec![2.0, 4.0, 5.0]));
+        let mut back = full.clone();
+        free.scatter(&reduced, &mut back);
+        assert_eq!(back, DVector::from_vec(vec![0.0, 2.0, 0.0, 4.0, 5.0]));
+        let matrix = DMatrix::from_fn(5, 5, |row, column| (10 * row + column) as f64);
+        let small = free.gather_matrix(&matrix);
+        assert_eq!((small[(0, 0)], small[(0, 2)], small[(2, 1)]), (11.0, 14.0, 43.0));
+        let big = free.scatter_matrix(&small);
+        assert_eq!((big[(1, 4)], big[(4, 3)], big[(0, 1)], big[(2, 2)]), (14.0, 43.0, 0.0, 0.0));
+        // sqrt(2^2/11 + 4^2/33 + 5^2/44), the locked entries left out.
+        let norm = free.force_norm(&full, &matrix);
+        assert!((norm - (4.0_f64 / 11.0 + 16.0 / 33.0 + 25.0 / 44.0).sqrt()).abs() < 1e-15);
+    }
+}
