@@ -57,7 +57,7 @@ struct Family {
     rigid: [&'static str; RIGID],
     modal: &'static str,
     types: [&'static str; 3],
-    description: &'static str,
+    description: [&'static str; 2],
 }
 
 const FAMILIES: [Family; 4] = [
@@ -66,28 +66,28 @@ const FAMILIES: [Family; 4] = [
         rigid: ["motion.x", "motion.y", "motion.theta"],
         modal: "motion.q",
         types: ["Displacement", "Rotation", "ModalCoordinate"],
-        description: "coordinate of the body",
+        description: ["coordinate", "of the body"],
     },
     Family {
         first: VELOCITY,
         rigid: ["motion.vx", "motion.vy", "motion.vtheta"],
         modal: "motion.vq",
         types: ["Velocity", "AngularVelocity", "ModalVelocity"],
-        description: "rate of the coordinate of the body",
+        description: ["rate of the coordinate", "of the body"],
     },
     Family {
         first: ACCELERATION,
         rigid: ["motion.ax", "motion.ay", "motion.atheta"],
         modal: "motion.aq",
         types: ["Acceleration", "AngularAcceleration", "ModalAcceleration"],
-        description: "second derivative of the coordinate of the body",
+        description: ["second derivative of the coordinate", "of the body"],
     },
     Family {
         first: LOAD,
         rigid: ["load.fx", "load.fy", "load.mz"],
         modal: "load.q",
         types: ["Force", "Moment", "ModalLoad"],
-        description: "load of the fluid on the coordinate, mean over the communication step:",
+        description: ["load of the fluid on the coordinate", "of the body, mean over the communication step"],
     },
 ];
 
@@ -105,7 +105,7 @@ pub fn variables<C>(modes: usize, get: Getters<C>) -> Vec<(Reference, Variable<C
                 }
                 Some(mode) => (format!("{}[{}]", family.modal, mode + 1), family.types[2], format!("q[{}]", mode + 1)),
             };
-            let description = format!("{} {coordinate}", family.description);
+            let description = format!("{} {coordinate} {}", family.description[0], family.description[1]);
             let reference = family.first + index as Reference;
             variables.push((family.first, Variable::real(reference, name, description, kind, get).at(index)));
         }
