@@ -150,6 +150,7 @@ fn paper(paper: &scene::Paper) -> fluid::PaperParameters {
         },
         courant: paper.courant,
         shifting: paper.shifting,
+        tension: paper.tension,
         collision_distance: paper.collision_distance,
         restitution: paper.restitution,
         surface_density: paper.surface_density,
