@@ -1,0 +1,198 @@
+//! Saved states through the C ABI: same bits after a restore, in another instance, in another process.
+#![allow(missing_docs, clippy::unwrap_used, reason = "test")]
+
+use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
+use fmi2::ffi::Status;
+use fmi2::{Component, Instance, Logger, describe};
+use plimsoll_tests::{Library, Slave, real_outputs, resources, root};
+use std::process::Command;
+
+const STEP: f64 = 0.000_5;
+const POSITION_Q1: u32 = 103;
+const VELOCITY_Q1: u32 = 123;
+const ACCELERATION_Q1: u32 = 143;
+const LOAD_Q1: u32 = 203;
+/// The plate of dam_break_plate with a coarse column: 325 particles.
+const OVERRIDES: &str = "fluid.spacing = 0.012; fluid.water.0.polygon = [[0,0],[0.28,0],[0.28,0.14],[0,0.14]]";
+
+fn slave<'a, C: Component>(library: &'a Library) -> Slave<'a> {
+    let guid = describe::guid(&C::model(DEFAULT_MODES)).unwrap().to_string();
+    let slave = Slave::new(library, &guid, Some(&resources())).unwrap_or_else(|why| panic!("{why:?}"));
+    assert_eq!(slave.set_text(1, "dam_break_plate"), Status::OK);
+    assert_eq!(slave.set_text(2, OVERRIDES), Status::OK);
+    slave
+}
+
+/// Inputs of step `n`: the plate is bent a little, the load pushes it.
+fn inputs<C: 'static>(n: usize) -> (Vec<u32>, Vec<f64>) {
+    let wave = (0.3 * n as f64).sin();
+    if std::any::TypeId::of::<C>() == std::any::TypeId::of::<FluidComponent>() {
+        (vec![POSITION_Q1, VELOCITY_Q1, ACCELERATION_Q1], vec![1e-4 * wave, 0.02 * wave, 3.0 * wave])
+    } else {
+        (vec![LOAD_Q1, LOAD_Q1 + 1], vec![5.0 * wave, -1.0])
+    }
+}
+
+fn advance<C: Component>(slave: &Slave, from: usize, to: usize) {
+    for n in from..to {
+        let (references, values) = inputs::<C>(n);
+        assert_eq!(slave.set_reals(&references, &values), Status::OK);
+        assert_eq!(slave.step(n as f64 * STEP, STEP), Status::OK, "{:?}", slave.messages());
+    }
+}
+
+fn bits<C: Component>(slave: &Slave) -> Vec<u64> {
+    slave.reals(&real_outputs(&C::model(DEFAULT_MODES))).iter().map(|value| value.to_bits()).collect()
+}
+
+fn repeats_give_the_same_bits<C: Component>(name: &str) {
+    let library = Library::load(name).unwrap();
+    let first = slave::<C>(&library);
+    assert_eq!(first.initialise(0.0), Status::OK, "{:?}", first.messages());
+    advance::<C>(&first, 0, 3);
+    let (state, at_save) = (first.save(), bits::<C>(&first));
+    let bytes = first.bytes(&state);
+    advance::<C>(&first, 3, 6);
+    let expected = bits::<C>(&first);
+    assert_ne!(expected, at_save, "something moves");
+    // Other inputs on the way must leave no trace.
+    assert_eq!(first.restore(&state), Status::OK);
+    assert_eq!(first.set_reals(&[inputs::<C>(0).0[0]], &[1e-3]), Status::OK);
+    assert_eq!(first.step(3.0 * STEP, 0.5 * STEP), Status::OK);
+    assert_eq!(first.restore(&state), Status::OK);
+    assert_eq!(bits::<C>(&first), at_save, "outputs belong to the state");
+    advance::<C>(&first, 3, 6);
+    assert_eq!(bits::<C>(&first), expected, "restored");
+    // A fresh instance that was never initialised, and knows the state as bytes only.
+    let second = slave::<C>(&library);
+    let copy = second.from_bytes(&bytes).unwrap();
+    assert_eq!(second.bytes(&copy), bytes, "bytes are a function of the state");
+    assert_eq!(second.restore(&copy), Status::OK, "{:?}", second.messages());
+    assert_eq!(bits::<C>(&second), at_save);
+    advance::<C>(&second, 3, 6);
+    assert_eq!(bits::<C>(&second), expected, "deserialised into another instance");
+    assert_eq!(first.free(state), Status::OK);
+    assert_eq!(second.free(copy), Status::OK);
+}
+
+#[test]
+fn the_plate_of_these_tests_is_wet() {
+    let library = Library::load("fluid_fmu").unwrap();
+    let slave = slave::<FluidComponent>(&library);
+    assert_eq!(slave.initialise(0.0), Status::OK);
+    advance::<FluidComponent>(&slave, 0, 3);
+    assert!(slave.reals(&[LOAD_Q1])[0].abs() > 1e-3, "or the inputs would not matter");
+}
+
+#[test]
+fn fluid_repeats() {
+    repeats_give_the_same_bits::<FluidComponent>("fluid_fmu");
+}
+
+#[test]
+fn structure_repeats() {
+    repeats_give_the_same_bits::<StructureComponent>("structure_fmu");
+}
+
+#[test]
+fn foreign_and_damaged_bytes_are_refused() {
+    let (fluid, structure) = (Library::load("fluid_fmu").unwrap(), Library::load("structure_fmu").unwrap());
+    let plate = slave::<StructureComponent>(&structure);
+    assert_eq!(plate.initialise(0.0), Status::OK);
+    let state = plate.save();
+    let mut bytes = plate.bytes(&state);
+    let water = slave::<FluidComponent>(&fluid);
+    assert_eq!(water.from_bytes(&bytes).err(), Some(Status::ERROR));
+    assert!(water.messages()[0].contains("GUID"));
+    let last = bytes.len() - 1;
+    bytes[last] ^= 0x10;
+    assert_eq!(plate.from_bytes(&bytes).err(), Some(Status::ERROR));
+    assert!(plate.messages()[0].contains("checksum"));
+    assert_eq!(plate.from_bytes(&bytes[..10]).err(), Some(Status::ERROR));
+    assert_eq!(plate.free(state), Status::OK);
+    assert_eq!(plate.step(0.0, STEP), Status::OK, "the instance is as before");
+}
+
+/// What the child process does: reads the state, goes on, writes the bits. Without the variables there is nothing to do.
+#[test]
+fn child_goes_on() {
+    let (Ok(input), Ok(output)) = (std::env::var("PLIMSOLL_STATE"), std::env::var("PLIMSOLL_BITS")) else { return };
+    let library = Library::load("fluid_fmu").unwrap();
+    let slave = slave::<FluidComponent>(&library);
+    let state = slave.from_bytes(&std::fs::read(input).unwrap()).unwrap();
+    assert_eq!(slave.restore(&state), Status::OK, "{:?}", slave.messages());
+    advance::<FluidComponent>(&slave, 3, 6);
+    std::fs::write(output, format!("{:x?}", bits::<FluidComponent>(&slave))).unwrap();
+    assert_eq!(slave.free(state), Status::OK);
+}
+
+#[test]
+fn another_process_gives_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, output) = (folder.path().join("state"), folder.path().join("bits"));
+    let library = Library::load("fluid_fmu").unwrap();
+    let slave = slave::<FluidComponent>(&library);
+    assert_eq!(slave.initialise(0.0), Status::OK);
+    advance::<FluidComponent>(&slave, 0, 3);
+    let state = slave.save();
+    std::fs::write(&input, slave.bytes(&state)).unwrap();
+    let status = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "child_goes_on"])
+        .env("PLIMSOLL_STATE", &input)
+        .env("PLIMSOLL_BITS", &output)
+        .status();
+    assert!(status.unwrap().success());
+    advance::<FluidComponent>(&slave, 3, 6);
+    assert_eq!(std::fs::read_to_string(output).unwrap(), format!("{:x?}", bits::<FluidComponent>(&slave)));
+    assert_eq!(slave.free(state), Status::OK);
+}
+
+/// The same run in process, without the C ABI.
+fn direct_bits<C: Component>() -> Vec<u64> {
+    let mut instance = Instance::<C>::new(DEFAULT_MODES, Some(root()), Logger::silent()).unwrap();
+    instance.set_string(&[1, 2], &["dam_break_plate", OVERRIDES]).unwrap();
+    instance.setup_experiment(None, 0.0, None).unwrap();
+    instance.enter_initialization_mode().unwrap();
+    instance.exit_initialization_mode().unwrap();
+    for n in 0..6 {
+        let (references, values) = inputs::<C>(n);
+        instance.set_real(&references, &values).unwrap();
+        instance.do_step(n as f64 * STEP, STEP).unwrap();
+    }
+    let references = real_outputs(&C::model(DEFAULT_MODES));
+    let mut values = vec![0.0; references.len()];
+    instance.get_real(&references, &mut values).unwrap();
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+fn abi_bits<C: Component>(name: &str) -> Vec<u64> {
+    let library = Library::load(name).unwrap();
+    let slave = slave::<C>(&library);
+    assert_eq!(slave.initialise(0.0), Status::OK, "{:?}", slave.messages());
+    advance::<C>(&slave, 0, 6);
+    bits::<C>(&slave)
+}
+
+#[test]
+fn in_process_and_through_the_abi_the_bits_are_the_same() {
+    assert_eq!(direct_bits::<FluidComponent>(), abi_bits::<FluidComponent>("fluid_fmu"));
+    assert_eq!(direct_bits::<StructureComponent>(), abi_bits::<StructureComponent>("structure_fmu"));
+}
+
+#[test]
+fn two_instances_in_two_threads_do_not_disturb_each_other() {
+    let alone = abi_bits::<FluidComponent>("fluid_fmu");
+    let other = abi_bits::<StructureComponent>("structure_fmu");
+    std::thread::scope(|scope| {
+        let runs: Vec<_> = (0..2)
+            .map(|_| {
+                scope.spawn(|| {
+                    (abi_bits::<FluidComponent>("fluid_fmu"), abi_bits::<StructureComponent>("structure_fmu"))
+                })
+            })
+            .collect();
+        for run in runs {
+            assert_eq!(run.join().unwrap(), (alone.clone(), other.clone()));
+        }
+    });
+}
