@@ -149,13 +149,17 @@ fn write_annotations<C>(writer: &mut Xml, model: &Model<C>) -> io::Result<()> {
     }
     writer.create_element("VendorAnnotations").write_inner_content(|writer| {
         writer.create_element("Tool").with_attribute(("name", "Plimsoll")).write_inner_content(|writer| {
-            for (name, text) in &model.annotations {
-                writer
-                    .create_element("Annotation")
-                    .with_attribute(("name", *name))
-                    .with_attribute(("text", *text))
-                    .write_empty()?;
-            }
+            // The schema allows one element in here, of any kind.
+            writer.create_element("Annotations").write_inner_content(|writer| {
+                for (name, text) in &model.annotations {
+                    writer
+                        .create_element("Annotation")
+                        .with_attribute(("name", *name))
+                        .with_attribute(("text", *text))
+                        .write_empty()?;
+                }
+                Ok(())
+            })?;
             Ok(())
         })?;
         Ok(())
