@@ -1,6 +1,15 @@
 //! Couples FMI 2.0 co-simulation FMUs with implicit iterations, records what they do and reports on it.
 
+pub mod case;
+pub mod checks;
 pub mod coupling;
+pub mod direct;
 pub mod fmu;
 pub mod log;
 pub mod participant;
+pub mod progress;
+pub mod record;
+pub mod report;
+pub mod run;
+pub mod scene_case;
+pub mod stages;

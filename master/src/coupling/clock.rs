@@ -20,7 +20,7 @@ impl Clock {
     /// From `start` to the first multiple of `step` at or after `end`; steps may be halved down to `smallest`
     /// (all in seconds, step and smallest positive).
     pub fn new(start: f64, end: f64, step: f64, smallest: f64) -> Self {
-        let steps = ((end - start) / step - 1e-6).ceil().max(0.0) as u64;
+        let steps = steps_between(start, end, step);
         let finest = (step / smallest).max(1.0).log2().floor().min(30.0) as u32;
         Self { start, step, steps, finest, tick: 0, level: 0, streak: 0 }
     }
@@ -70,6 +70,11 @@ impl Clock {
         self.level += u32::from(possible);
         possible
     }
+}
+
+/// Communication steps of `step` from `start` up to the first at or after `end` (all in seconds).
+pub fn steps_between(start: f64, end: f64, step: f64) -> u64 {
+    ((end - start) / step - 1e-6).ceil().max(0.0) as u64
 }
 
 #[cfg(test)]

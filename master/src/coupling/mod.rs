@@ -18,7 +18,7 @@ mod tests;
 mod weights;
 
 pub use acceleration::{Accelerator, Aitken};
-pub use clock::Clock;
+pub use clock::{Clock, steps_between};
 pub use convergence::{Residual, Tolerance};
 pub use error::Error;
 pub use iqn_ils::IqnIls;

@@ -2,6 +2,7 @@
 
 use super::Error;
 use crate::participant::{Causality, Description, Kind, Outcome, Participant, Variable};
+use std::time::Instant;
 
 /// State slot that holds the start of the step.
 const START_OF_STEP: usize = 0;
@@ -44,6 +45,8 @@ struct Node {
     outputs: Vec<u32>,
     names: Vec<String>,
     values: Vec<f64>,
+    /// Wall-clock time spent in steps [s].
+    seconds: f64,
 }
 
 /// Participants in the order in which they step, with their connections.
@@ -161,13 +164,21 @@ impl System {
         for index in 0..self.nodes.len() {
             self.stage(index, iterated)?;
             let node = &mut self.nodes[index];
-            if let Outcome::Refused { reason } = node.participant.step(time, duration)? {
+            let start = Instant::now();
+            let outcome = node.participant.step(time, duration)?;
+            node.seconds += start.elapsed().as_secs_f64();
+            if let Outcome::Refused { reason } = outcome {
                 return Ok(Pass::Refused { participant: node.participant.name().to_string(), reason });
             }
             node.read()?;
             node.check_finite(time + duration)?;
         }
         Ok(Pass::Done)
+    }
+
+    /// Wall-clock time spent in the steps of all participants \[s\].
+    pub fn step_seconds(&self) -> f64 {
+        self.nodes.iter().map(|node| node.seconds).sum()
     }
 
     fn stage(&mut self, index: usize, iterated: &[f64]) -> Result<(), Error> {
@@ -221,6 +232,7 @@ impl Node {
             outputs: Vec::new(),
             names: Vec::new(),
             values: Vec::new(),
+            seconds: 0.0,
         }
     }
 

@@ -31,7 +31,8 @@ unsafe extern "C" fn plimsoll_log_message(
     };
     // SAFETY: by the contract above.
     let (category, text) = unsafe { (owned(category), owned(text)) };
-    environment.log.write(&environment.participant, level, &category, &text);
+    // Some FMUs double the percent sign for importers that format a message twice.
+    environment.log.write(&environment.participant, level, &category, &text.replace("%%", "%"));
 }
 
 /// # Safety

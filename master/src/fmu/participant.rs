@@ -106,7 +106,7 @@ fn instantiate(library: &Library, model: &Model, archive: &Archive, name: &str, 
     let (name, guid, resources) = (text(name), text(&model.guid), text(&archive.resource_location()));
     // SAFETY: all strings are terminated and live through the call; the callbacks live until the instance is freed.
     unsafe {
-        (library.instantiate)(name.as_ptr(), CO_SIMULATION, guid.as_ptr(), resources.as_ptr(), callbacks, FALSE, FALSE)
+        (library.instantiate)(name.as_ptr(), CO_SIMULATION, guid.as_ptr(), resources.as_ptr(), callbacks, FALSE, TRUE)
     }
 }
 

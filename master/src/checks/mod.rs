@@ -1,0 +1,115 @@
+//! The figures that a scene asks of its own result: computed from the recorded series and the last frame.
+
+mod curves;
+mod hydrostatic;
+mod series;
+
+use crate::record::{CheckResult, Series};
+use scene::{Check, CheckKind};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+pub use curves::{Reference, reference};
+
+/// What checks are computed from.
+pub struct Context<'a> {
+    /// Recorded variables.
+    pub series: &'a Series,
+    /// Folder of field frames.
+    pub frames: &'a Path,
+    /// Folder that reference files are relative to.
+    pub folder: &'a Path,
+    /// Density \[kg/m3\] and magnitude of gravity \[m/s2\] of the water, if there is any.
+    pub water: Option<(f64, f64)>,
+}
+
+/// Points (time, value) of a check: its variable in its window, offset and scaled; time unscaled.
+pub type Points = Vec<(f64, f64)>;
+
+/// A figure before it is compared.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Figure {
+    value: f64,
+    /// Expected value where the check itself brings none.
+    reference: Option<f64>,
+    details: BTreeMap<String, f64>,
+}
+
+impl From<f64> for Figure {
+    fn from(value: f64) -> Self {
+        Self { value, ..Self::default() }
+    }
+}
+
+/// Computes all checks, by name. One that cannot be computed says why.
+pub fn evaluate(checks: &[Check], context: &Context) -> BTreeMap<String, CheckResult> {
+    checks.iter().map(|check| (check.name.clone(), result(check, figure(check, context)))).collect()
+}
+
+fn result(check: &Check, figure: Result<Figure, String>) -> CheckResult {
+    let (figure, problem) = match figure {
+        Ok(figure) if figure.value.is_finite() => (Some(figure), None),
+        Ok(figure) => (None, Some(format!("the value is {}", figure.value))),
+        Err(problem) => (None, Some(problem)),
+    };
+    let value = figure.as_ref().map(|figure| figure.value);
+    let reference = check.reference.or(figure.as_ref().and_then(|figure| figure.reference));
+    let error = value.zip(reference).map(|(value, reference)| value - reference);
+    // A limit without a value is not kept; one without a reference bounds the value itself.
+    let deviation = error.or(value);
+    let passed = check.limit.map(|limit| deviation.is_some_and(|deviation| deviation.abs() <= limit));
+    let details = figure.map(|figure| figure.details).unwrap_or_default();
+    let (unit, source) = (check.unit.clone(), check.source.clone());
+    CheckResult { value, reference, error, unit, passed, details, source, problem }
+}
+
+fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
+    if check.kind == CheckKind::HydrostaticPressure {
+        return hydrostatic::error(check, context).map(Figure::from);
+    }
+    let points = points(check, context.series)?;
+    match check.kind {
+        CheckKind::HydrostaticPressure => Err("needs a frame".to_string()),
+        CheckKind::SeriesRms => series::rms(&points).map(Figure::from),
+        CheckKind::SeriesMaximum => series::maximum(&points).map(|(_, value)| value.into()),
+        CheckKind::SeriesMinimum => series::minimum(&points).map(Figure::from),
+        CheckKind::SeriesChange => series::change(&points).map(Figure::from),
+        CheckKind::SeriesMean => series::mean(&points).map(Figure::from),
+        CheckKind::SeriesFrequency => series::frequency(&points).map(Figure::from),
+        CheckKind::SeriesSlope => series::slope(&points, check.time_scale).map(Figure::from),
+        CheckKind::ValueAt => {
+            let all = Check { from: None, to: None, ..check.clone() };
+            let time = check.from.ok_or("needs `from`, the time of the value")?;
+            series::value_at(&self::points(&all, context.series)?, time).map(Figure::from)
+        }
+        CheckKind::TimeOfMaximum => series::maximum(&points).map(|(time, _)| time.into()),
+        CheckKind::CurveRms => curves::rms(check, &points, context.folder),
+        CheckKind::Band => curves::band(check, &points, context.folder),
+    }
+}
+
+/// The variable of a check in its window, offset and scaled.
+pub fn points(check: &Check, series: &Series) -> Result<Points, String> {
+    let column = series.column(&check.variable).ok_or_else(|| {
+        let known = series.columns.iter().map(|column| column.name.as_str());
+        let hint = crate::participant::nearest(&check.variable, known);
+        let hint = hint.map_or_else(String::new, |known| format!("; did you mean '{known}'?"));
+        format!("there is no recorded variable '{}'{hint}", check.variable)
+    })?;
+    let inside = |time: f64| {
+        let slack = 1e-9 * time.abs();
+        check.from.is_none_or(|from| time >= from - slack) && check.to.is_none_or(|to| time <= to + slack)
+    };
+    let points: Points = series
+        .points(column)
+        .filter(|(time, _)| inside(*time))
+        .map(|(time, value)| (time, (value + check.offset) * check.scale))
+        .collect();
+    if points.len() < 2 {
+        return Err(format!("the window holds {} records, expected at least 2", points.len()));
+    }
+    Ok(points)
+}
+
+#[cfg(test)]
+mod tests;

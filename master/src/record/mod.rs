@@ -1,0 +1,31 @@
+//! What a run leaves behind: tables of results and iterations, and a summary.
+
+mod iterations;
+mod results;
+mod series;
+mod summary;
+
+pub use iterations::{IterationCounts, IterationWriter};
+pub use results::{ResultWriter, STAGE};
+pub use series::{Column, Series};
+pub use summary::{CheckResult, CouplingSummary, Status, Summary};
+
+use std::path::Path;
+use thiserror::Error;
+
+/// A file that cannot be written or read.
+#[derive(Debug, Error)]
+#[error("{path}: {reason}")]
+pub struct Error {
+    /// Path of the file.
+    pub path: String,
+    /// What failed.
+    pub reason: String,
+}
+
+impl Error {
+    /// An error about `path`.
+    pub fn new(path: &Path, reason: impl ToString) -> Self {
+        Self { path: path.display().to_string(), reason: reason.to_string() }
+    }
+}

@@ -1,0 +1,125 @@
+//! results.csv: one row per recorded time, one column per output, units in the header.
+
+use super::{Column, Error, Series};
+use crate::coupling::System;
+use crate::participant::{Causality, Kind, Variable};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Prefix of variables that hold wall-clock times: they go to the summary, since they differ from run to run.
+pub const STAGE: &str = "stage.";
+
+/// Reads the outputs of a system, writes them and keeps them.
+pub struct ResultWriter {
+    path: PathBuf,
+    file: BufWriter<File>,
+    /// Recorded variables of each participant.
+    variables: Vec<Vec<Variable>>,
+    interval: f64,
+    next: u64,
+    series: Series,
+}
+
+impl ResultWriter {
+    /// Opens the table for all numeric outputs of the system but those in `exclude` and stage times. A row is due
+    /// every `interval` seconds; 0 records every communication step.
+    pub fn create(path: &Path, system: &System, exclude: &[String], interval: f64) -> Result<Self, Error> {
+        let file = File::create(path).map_err(|error| Error::new(path, error))?;
+        let mut variables = Vec::new();
+        let mut columns = Vec::new();
+        for (participant, description) in system.descriptions() {
+            let name = |variable: &Variable| format!("{participant}.{}", variable.name);
+            let wanted = |variable: &&Variable| {
+                variable.causality == Causality::Output
+                    && variable.kind != Kind::String
+                    && !variable.name.starts_with(STAGE)
+                    && !exclude.contains(&name(variable))
+            };
+            let chosen: Vec<Variable> = description.variables.iter().filter(wanted).cloned().collect();
+            let column =
+                |variable: &Variable| Column { name: name(variable), unit: variable.unit.clone(), values: Vec::new() };
+            columns.extend(chosen.iter().map(column));
+            variables.push(chosen);
+        }
+        let series = Series { times: Vec::new(), columns };
+        let file = BufWriter::new(file);
+        let mut writer = Self { path: path.to_path_buf(), file, variables, interval, next: 0, series };
+        writer.header()?;
+        Ok(writer)
+    }
+
+    fn header(&mut self) -> Result<(), Error> {
+        let names: Vec<String> = self.series.columns.iter().map(|column| quoted(&column.header())).collect();
+        let line = std::iter::once("time [s]".to_string()).chain(names).collect::<Vec<_>>().join(",");
+        self.line(&line)
+    }
+
+    fn line(&mut self, line: &str) -> Result<(), Error> {
+        // Flushed row by row: an interrupted run leaves whole rows.
+        writeln!(self.file, "{line}").and_then(|()| self.file.flush()).map_err(|error| Error::new(&self.path, error))
+    }
+
+    /// Records the outputs at `time` \[s\] when a row is due or `force` is set.
+    pub fn record(&mut self, system: &mut System, time: f64, force: bool) -> Result<(), crate::run::Error> {
+        let due = self.interval <= 0.0 || time >= self.next as f64 * self.interval * (1.0 - 1e-9);
+        if !(due || force) || self.series.times.last() == Some(&time) {
+            return Ok(());
+        }
+        if self.interval > 0.0 {
+            self.next = (time / self.interval * (1.0 + 1e-9)).floor() as u64 + 1;
+        }
+        let values = read(system, &self.variables, time)?;
+        self.series.push(time, &values);
+        let line = std::iter::once(&time).chain(&values).map(|value| number(*value)).collect::<Vec<_>>().join(",");
+        Ok(self.line(&line)?)
+    }
+
+    /// What was recorded so far.
+    pub fn series(&self) -> &Series {
+        &self.series
+    }
+}
+
+/// Shortest text that reads back as the same number.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-4..1e9).contains(&size) { format!("{value:e}") } else { format!("{value}") }
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+}
+
+fn read(system: &mut System, variables: &[Vec<Variable>], time: f64) -> Result<Vec<f64>, crate::coupling::Error> {
+    let mut values = Vec::new();
+    for (participant, chosen) in system.participants().zip(variables) {
+        for variable in chosen {
+            let value = participant.get(variable)?.number().unwrap_or(f64::NAN);
+            if value.is_nan() {
+                return Err(crate::coupling::Error::NotFinite {
+                    participant: participant.name().to_string(),
+                    variable: variable.name.clone(),
+                    value,
+                    time,
+                });
+            }
+            values.push(value);
+        }
+    }
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_exactly() {
+        for value in [0.0, 0.1 + 0.2, -1.25e-17, 6.02e23, 1234.5, -0.0001, f64::MIN_POSITIVE] {
+            assert_eq!(number(value).parse::<f64>().unwrap(), value);
+        }
+        assert_eq!((number(1e-7).as_str(), number(0.25).as_str()), ("1e-7", "0.25"));
+        assert_eq!(quoted("a \"b\", c"), "\"a \"\"b\"\", c\"");
+    }
+}

@@ -1,0 +1,97 @@
+//! summary.json: what ran, how long it took, and the figures of its checks. Scripts rely on these keys.
+
+use super::Error;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// It reached its end.
+    Complete,
+    /// The user ended it.
+    Interrupted,
+    /// An error ended it.
+    Failed,
+}
+
+/// Iterations over the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CouplingSummary {
+    /// Method as in the case file.
+    pub method: String,
+    /// Mean passes per accepted step.
+    pub mean_iterations: f64,
+    /// Most passes of one accepted step.
+    pub maximum_iterations: usize,
+    /// Steps given up and repeated smaller.
+    pub rollbacks: u64,
+}
+
+/// One figure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CheckResult {
+    /// Value found; none when it could not be computed.
+    pub value: Option<f64>,
+    /// Value expected, if there is one.
+    pub reference: Option<f64>,
+    /// Value minus reference.
+    pub error: Option<f64>,
+    /// Unit of the three.
+    pub unit: String,
+    /// Whether the error is within the limit; none without a limit.
+    pub passed: Option<bool>,
+    /// Further figures by name, for example the share of a curve inside a band.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub details: BTreeMap<String, f64>,
+    /// Where the reference comes from.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub source: String,
+    /// Why there is no value.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub problem: Option<String>,
+}
+
+/// The whole summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Name of the scene or case.
+    pub scene: String,
+    /// Its title.
+    pub title: String,
+    /// How the run ended.
+    pub status: Status,
+    /// The error of a failed run.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub error: Option<String>,
+    /// Discretisation of the fluid, if a scene names one.
+    pub scheme: Option<String>,
+    /// Particle spacing \[m\], if a scene names one.
+    pub spacing: Option<f64>,
+    /// Particles at the end, if a participant counts them.
+    pub particles: Option<f64>,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Simulated time \[s\].
+    pub simulated_seconds: f64,
+    /// Wall-clock time of the run \[s\].
+    pub wall_seconds: f64,
+    /// Wall-clock time by stage \[s\].
+    pub stages: BTreeMap<String, f64>,
+    /// Iterations.
+    pub coupling: CouplingSummary,
+    /// Figures by name.
+    pub checks: BTreeMap<String, CheckResult>,
+    /// Version of the program.
+    pub version: String,
+}
+
+impl Summary {
+    /// Writes the summary as JSON.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let text = serde_json::to_string_pretty(self).map_err(|error| Error::new(path, error))?;
+        std::fs::write(path, text + "\n").map_err(|error| Error::new(path, error))
+    }
+}

@@ -1,0 +1,199 @@
+//! Which pictures a run gets: families of recorded variables, references of checks, iterations, and the field.
+
+use super::chart::{Band, Chart, Curve};
+use super::field::{FieldFigure, Panel};
+use super::{Error, FrameEntry, frames};
+use crate::case::Case;
+use crate::checks::{self, Reference};
+use crate::record::{Column, IterationCounts, Series};
+use components::frames::{ReadFrame, read_frame};
+use scene::Check;
+use std::path::{Path, PathBuf};
+
+const TIME: &str = "time [s]";
+/// Moments shown side by side.
+const MOMENTS: usize = 4;
+
+/// Draws all pictures into `folder/plots`; gives their paths. Frames are looked for in `folder/frames`; reference
+/// files of checks in `references`. A picture that cannot be drawn does not keep the others from being drawn.
+pub fn draw_all(
+    case: &Case,
+    series: &Series,
+    counts: &IterationCounts,
+    folder: &Path,
+    references: &Path,
+) -> (Vec<PathBuf>, Vec<Error>) {
+    super::prepare_font();
+    let plots = folder.join("plots");
+    if let Err(error) = std::fs::create_dir_all(&plots) {
+        return (Vec::new(), vec![Error::new(&plots, error)]);
+    }
+    let mut charts: Vec<(String, Chart)> = Vec::new();
+    charts.extend(case.check.iter().filter_map(|check| against_reference(check, series, references)));
+    charts.extend(families(case, series));
+    if counts.maximum > 1 {
+        charts.push(("iterations".to_string(), iterations(counts)));
+    }
+    let mut drawn: Vec<Result<PathBuf, Error>> = fields(&folder.join("frames"), &plots);
+    drawn.extend(charts.iter().map(|(name, chart)| chart.draw(&plots.join(name))));
+    let (good, bad): (Vec<_>, Vec<_>) = drawn.into_iter().partition(Result::is_ok);
+    (good.into_iter().flatten().collect(), bad.into_iter().filter_map(Result::err).collect())
+}
+
+/// Name of a file: letters, digits and dashes.
+fn slug(text: &str) -> String {
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join("-").to_lowercase()
+}
+
+fn against_reference(check: &Check, series: &Series, folder: &Path) -> Option<(String, Chart)> {
+    let reference = checks::reference(check, folder).ok()??;
+    let whole = Check { from: None, to: None, ..check.clone() };
+    let computed = checks::points(&whole, series).ok()?;
+    let scaled = computed.iter().map(|(time, value)| (time * check.time_scale, *value)).collect();
+    let mut curves = vec![Curve { label: "computed".to_string(), points: scaled, markers: false }];
+    let label = if check.source.is_empty() { "reference" } else { check.source.split(',').next().unwrap_or("") };
+    let mut band = None;
+    match reference {
+        Reference::Curve(points) => curves.push(Curve { label: label.to_string(), points, markers: true }),
+        Reference::Band(rows) => {
+            let points = rows.iter().map(|row| (row[0], row[2], row[3])).collect();
+            band = Some(Band { label: "smallest to largest published".to_string(), points });
+            let mean = rows.iter().map(|row| (row[0], row[1])).collect();
+            curves.push(Curve { label: "mean of published".to_string(), points: mean, markers: false });
+        }
+    }
+    let x = if check.time_scale == 1.0 { TIME.to_string() } else { format!("time, times {}", check.time_scale) };
+    let y = if check.scale == 1.0 && check.offset == 0.0 {
+        format!("{} [{}]", check.variable, check.unit)
+    } else {
+        format!("({} + {}) times {} [{}]", check.variable, check.offset, check.scale, check.unit)
+    };
+    Some((format!("check-{}", slug(&check.name)), Chart { title: check.name.clone(), x, y, curves, band }))
+}
+
+/// Variables of one participant whose names differ in the last part only, with one unit, share a picture.
+fn families(case: &Case, series: &Series) -> Vec<(String, Chart)> {
+    let chosen = |column: &&Column| {
+        let wanted = &case.output.plot;
+        let varies = column.values.windows(2).any(|pair| pair[0] != pair[1]);
+        if wanted.is_empty() { varies } else { wanted.contains(&column.name) }
+    };
+    let mut families: Vec<(String, Vec<&Column>)> = Vec::new();
+    for column in series.columns.iter().filter(chosen) {
+        let key = family(column);
+        match families.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, members)) => members.push(column),
+            None => families.push((key, vec![column])),
+        }
+    }
+    let chart = |(key, members): (String, Vec<&Column>)| {
+        let label = |column: &Column| case.labels.get(&column.name).cloned().unwrap_or_else(|| column.name.clone());
+        let curve =
+            |column: &&Column| Curve { label: label(column), points: series.points(column).collect(), markers: false };
+        let title = if members.len() == 1 { label(members[0]) } else { title(members[0]) };
+        let unit = if members[0].unit.is_empty() { "1" } else { &members[0].unit };
+        let curves = members.iter().map(curve).collect();
+        (slug(&key), Chart { title, x: TIME.to_string(), y: format!("[{unit}]"), curves, band: None })
+    };
+    families.into_iter().map(chart).collect()
+}
+
+fn title(column: &Column) -> String {
+    stem(&column.name).replace('.', " ")
+}
+
+fn stem(name: &str) -> &str {
+    let base = name.split('[').next().unwrap_or(name);
+    let array = base.len() < name.len();
+    if array { base } else { base.rsplit_once('.').map_or(base, |(family, _)| family) }
+}
+
+fn family(column: &Column) -> String {
+    let name = &column.name;
+    let stem = stem(name);
+    // A variable directly below its participant has a picture of its own.
+    let stem = if stem.contains('.') { stem } else { name };
+    format!("{stem} {}", column.unit)
+}
+
+fn iterations(counts: &IterationCounts) -> Chart {
+    let curve = Curve { label: "iterations".to_string(), points: counts.history.clone(), markers: false };
+    Chart {
+        title: "coupling iterations per step".to_string(),
+        x: TIME.to_string(),
+        y: "iterations [1]".to_string(),
+        curves: vec![curve],
+        band: None,
+    }
+}
+
+/// Two pictures: some moments side by side, and the last one large.
+fn fields(folder: &Path, plots: &Path) -> Vec<Result<PathBuf, Error>> {
+    let all = match (frames(folder, "particles"), frames(folder, "structure")) {
+        (Ok(particles), Ok(structure)) => (particles, structure),
+        (Err(reason), _) | (_, Err(reason)) => return vec![Err(Error::new(folder, reason))],
+    };
+    let (particles, structure) = all;
+    let main = if particles.is_empty() { &structure } else { &particles };
+    let Some(last) = main.last() else { return Vec::new() };
+    let walls = read_frame(&folder.join("walls.vtu")).map(|frame| lines(&frame)).unwrap_or_default();
+    let panel = |entry: &FrameEntry| panel(entry.time, &particles, &structure, &walls);
+    let draw = |entries: &[FrameEntry], columns: usize, name: &str| {
+        let panels = entries.iter().map(panel).collect::<Result<Vec<_>, _>>();
+        let panels = panels.map_err(|reason| Error::new(folder, reason))?;
+        FieldFigure { panels, columns }.draw(&plots.join(name))
+    };
+    vec![draw(&moments(main), 2, "field"), draw(std::slice::from_ref(last), 1, "field-last")]
+}
+
+/// Some entries at equal distances, the last one among them; the first one is the start, which everybody knows.
+fn moments(entries: &[FrameEntry]) -> Vec<FrameEntry> {
+    let count = MOMENTS.min(entries.len());
+    (1..=count).map(|i| entries[(entries.len() * i / count) - 1].clone()).collect()
+}
+
+fn panel(
+    time: f64,
+    particles: &[FrameEntry],
+    structure: &[FrameEntry],
+    walls: &[[[f32; 2]; 2]],
+) -> Result<Panel, String> {
+    let read = |entries: &[FrameEntry]| {
+        let near = entries.iter().min_by(|a, b| (a.time - time).abs().total_cmp(&(b.time - time).abs()));
+        near.map(|entry| read_frame(&entry.path).map_err(|error| error.to_string())).transpose()
+    };
+    let water = read(particles)?.unwrap_or_default();
+    let body = read(structure)?.unwrap_or_default();
+    let pressures = water.scalar("pressure").map_or_else(|| vec![0.0; water.points.len()], <[f32]>::to_vec);
+    let lines = walls.iter().copied().chain(lines(&body)).collect();
+    Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, pressures, lines })
+}
+
+fn lines(frame: &ReadFrame) -> Vec<[[f32; 2]; 2]> {
+    let point = |index: u64| frame.points.get(index as usize).copied();
+    frame.lines.iter().filter_map(|[a, b]| Some([point(*a)?, point(*b)?])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn families_share_a_picture() {
+        let column = |name: &str, unit: &str| Column { name: name.into(), unit: unit.into(), values: vec![] };
+        assert_eq!(family(&column("fluid.probe.pressure[2]", "Pa")), "fluid.probe.pressure Pa");
+        assert_eq!(family(&column("fluid.energy.kinetic", "J/m")), "fluid.energy J/m");
+        assert_eq!(family(&column("fluid.maximum_speed", "m/s")), "fluid.maximum_speed m/s");
+        assert_eq!(slug("fluid.probe.pressure Pa"), "fluid-probe-pressure-pa");
+    }
+
+    #[test]
+    fn moments_end_with_the_last() {
+        let entries: Vec<FrameEntry> =
+            (0..11).map(|i| FrameEntry { time: f64::from(i), path: PathBuf::new() }).collect();
+        let times: Vec<f64> = moments(&entries).iter().map(|entry| entry.time).collect();
+        assert_eq!(times, [1.0, 4.0, 7.0, 10.0]);
+        assert_eq!(moments(&entries[..2]).len(), 2);
+    }
+}

@@ -1,0 +1,15 @@
+//! Pictures and text of a run.
+
+mod canvas;
+mod chart;
+mod field;
+mod figures;
+mod frames;
+mod text;
+
+pub use canvas::{Error, prepare_font};
+pub use chart::{Band, Chart, Curve};
+pub use field::{FieldFigure, Panel};
+pub use figures::draw_all;
+pub use frames::{FrameEntry, frames, last_frame};
+pub use text::markdown;

@@ -1,0 +1,90 @@
+//! The report as a page of Markdown.
+
+use crate::record::{CheckResult, Status, Summary};
+use std::path::{Path, PathBuf};
+
+/// The page for a summary, with what the scene says of itself and the pictures, which are shown by paths relative to
+/// `folder`.
+pub fn markdown(summary: &Summary, about: &[(&str, &str)], pictures: &[PathBuf], folder: &Path) -> String {
+    let mut text = format!("# {}\n\n", if summary.title.is_empty() { &summary.scene } else { &summary.title });
+    for (name, content) in about.iter().filter(|(_, content)| !content.is_empty()) {
+        text += &format!("**{name}.** {content}\n\n");
+    }
+    text += &format!("{}\n\n", state(summary));
+    text += &facts(summary);
+    if !summary.checks.is_empty() {
+        text += "\n## Figures\n\n| figure | value | reference | error | unit | verdict |\n|---|---|---|---|---|---|\n";
+        summary.checks.iter().for_each(|(name, check)| text += &row(name, check));
+    }
+    text += "\n## Wall-clock time by stage\n\n| stage | seconds | share |\n|---|---|---|\n";
+    let total: f64 = summary.stages.values().sum::<f64>().max(1e-12);
+    let mut stages: Vec<_> = summary.stages.iter().collect();
+    stages.sort_by(|a, b| b.1.total_cmp(a.1));
+    for (stage, seconds) in stages {
+        text += &format!("| {stage} | {seconds:.3} | {:.1} % |\n", 100.0 * seconds / total);
+    }
+    if !pictures.is_empty() {
+        text += "\n## Pictures\n\n";
+    }
+    for picture in pictures {
+        let path = picture.strip_prefix(folder).unwrap_or(picture);
+        let name = picture.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().replace('-', " "));
+        text += &format!("![{name}]({})\n\n", path.display());
+    }
+    text
+}
+
+fn state(summary: &Summary) -> String {
+    let reached = format!("{:.6} s simulated in {:.2} s", summary.simulated_seconds, summary.wall_seconds);
+    match (summary.status, &summary.error) {
+        (Status::Complete, _) => format!("The run reached its end: {reached}."),
+        (Status::Interrupted, _) => format!("**The run was interrupted**: {reached}."),
+        (Status::Failed, Some(error)) => format!("**The run failed**: {reached}; {error}."),
+        (Status::Failed, None) => format!("**The run failed**: {reached}."),
+    }
+}
+
+fn facts(summary: &Summary) -> String {
+    let coupling = &summary.coupling;
+    let mut rows = vec![("steps", summary.steps.to_string())];
+    rows.extend(summary.scheme.clone().map(|scheme| ("scheme", scheme)));
+    rows.extend(summary.spacing.map(|spacing| ("particle spacing", format!("{spacing} m"))));
+    rows.extend(summary.particles.map(|count| ("particles", count.to_string())));
+    rows.push(("coupling", coupling.method.clone()));
+    rows.push(("iterations per step, mean", format!("{:.2}", coupling.mean_iterations)));
+    rows.push(("iterations per step, most", coupling.maximum_iterations.to_string()));
+    rows.push(("steps repeated smaller", coupling.rollbacks.to_string()));
+    let rows = rows.iter().map(|(name, value)| format!("| {name} | {value} |\n")).collect::<String>();
+    format!("| | |\n|---|---|\n{rows}")
+}
+
+fn row(name: &str, check: &CheckResult) -> String {
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| format!("{}", Short(value)));
+    let verdict = match (check.passed, &check.problem) {
+        (_, Some(problem)) => problem.clone(),
+        (Some(true), _) => "within the limit".to_string(),
+        (Some(false), _) => "**outside the limit**".to_string(),
+        (None, _) => check
+            .details
+            .iter()
+            .map(|(name, value)| format!("{} {}", name.replace('_', " "), Short(*value)))
+            .collect::<Vec<_>>()
+            .join(", "),
+    };
+    let (value, reference, error) = (number(check.value), number(check.reference), number(check.error));
+    format!("| {name} | {value} | {reference} | {error} | {} | {verdict} |\n", check.unit)
+}
+
+/// A number with four significant digits.
+struct Short(f64);
+
+impl std::fmt::Display for Short {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let size = self.0.abs();
+        if size != 0.0 && !(1e-3..1e5).contains(&size) {
+            return write!(formatter, "{:.3e}", self.0);
+        }
+        let decimals = if size == 0.0 { 0 } else { (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize };
+        write!(formatter, "{:.decimals$}", self.0)
+    }
+}

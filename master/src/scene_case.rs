@@ -1,0 +1,216 @@
+//! Turns a scene into a case: the fluid FMU and the structure FMU as far as the scene has them, connected by equal
+//! names, for the degrees of freedom that the scene has.
+
+use crate::case::{Case, Connection, Fmu};
+use scene::{Freedom, Scene};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Longest arrays of the fluid FMU: pressure probes and regions; and modes of both.
+const PROBES: usize = 16;
+const REGIONS: usize = 4;
+const MODES: usize = 8;
+/// Name of the fluid FMU in a case made from a scene.
+pub const FLUID: &str = "fluid";
+/// Name of the structure FMU in a case made from a scene.
+pub const STRUCTURE: &str = "structure";
+
+/// Where things are that a case made from a scene refers to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Places {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// Folder of fluid.fmu and structure.fmu.
+    pub fmus: PathBuf,
+    /// Folder for field frames.
+    pub frames: PathBuf,
+}
+
+/// The case of a validated scene. `overrides` are the ones already applied to `scene`; the FMUs receive them too.
+/// `threads` overrides the scene's number when it is given.
+pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize>, places: &Places) -> Case {
+    let freedoms = freedoms(scene);
+    let mut fmus = Vec::new();
+    // The structure steps first, so that its motion is fresh and the load is what is iterated.
+    if scene.structure.is_some() && (!freedoms.is_empty() || scene.fluid.is_none()) {
+        fmus.push(fmu(STRUCTURE, scene, overrides, places));
+    }
+    if scene.fluid.is_some() {
+        let mut fluid = fmu(FLUID, scene, overrides, places);
+        if let Some(threads) = threads {
+            fluid.parameters.insert("threads".to_string(), toml::Value::Integer(threads as i64));
+        }
+        fmus.push(fluid);
+    }
+    let connection = if fmus.len() == 2 { connections(&freedoms) } else { Vec::new() };
+    Case {
+        title: scene.title.clone(),
+        run: scene.run.clone(),
+        start: 0.0,
+        output: scene.output.clone(),
+        fmu: fmus,
+        connection,
+        coupling: scene.coupling.clone(),
+        exclude: excluded(scene, &freedoms),
+        labels: labels(scene),
+        check: scene.check.clone(),
+    }
+}
+
+/// Modes that the FMUs must be packed with for a scene.
+pub fn modes(scene: &Scene) -> usize {
+    scene.structure.as_ref().and_then(|structure| structure.beam.as_ref()).map_or(0, |beam| beam.modes)
+}
+
+fn fmu(name: &str, scene: &Scene, overrides: &[(String, String)], places: &Places) -> Fmu {
+    let text = |text: String| toml::Value::String(text);
+    let overrides: Vec<String> = overrides.iter().map(|(key, value)| format!("{key}={value}")).collect();
+    let mut parameters = BTreeMap::from([
+        ("scene".to_string(), text(places.scene.display().to_string())),
+        ("scene_overrides".to_string(), text(overrides.join("; "))),
+    ]);
+    if scene.output.interval > 0.0 {
+        parameters.insert("output_directory".to_string(), text(places.frames.display().to_string()));
+        parameters.insert("output_interval".to_string(), toml::Value::Float(scene.output.interval));
+    }
+    Fmu { name: name.to_string(), path: places.fmus.join(format!("{name}.fmu")), parameters }
+}
+
+/// A degree of freedom by the endings of its variables: of a position, a velocity and acceleration, and a load.
+#[derive(Debug, Clone, PartialEq)]
+struct Ending {
+    motion: String,
+    load: String,
+}
+
+fn ending(motion: &str, load: &str) -> Ending {
+    Ending { motion: motion.to_string(), load: load.to_string() }
+}
+
+fn rigid(freedom: Freedom) -> Ending {
+    match freedom {
+        Freedom::X => ending("x", "fx"),
+        Freedom::Y => ending("y", "fy"),
+        Freedom::Theta => ending("theta", "mz"),
+    }
+}
+
+fn mode(number: usize) -> Ending {
+    ending(&format!("q[{number}]"), &format!("q[{number}]"))
+}
+
+fn freedoms(scene: &Scene) -> Vec<Ending> {
+    let free = scene.structure.as_ref().map_or(&[][..], |structure| &structure.free);
+    [Freedom::X, Freedom::Y, Freedom::Theta]
+        .into_iter()
+        .filter(|freedom| free.contains(freedom))
+        .map(rigid)
+        .chain((1..=modes(scene)).map(mode))
+        .collect()
+}
+
+/// Variables of one degree of freedom: motion, then load.
+fn variables(freedom: &Ending) -> (Vec<String>, String) {
+    let motion = ["", "v", "a"].map(|order| format!("motion.{order}{}", freedom.motion));
+    (motion.to_vec(), format!("load.{}", freedom.load))
+}
+
+fn connections(freedoms: &[Ending]) -> Vec<Connection> {
+    let link = |from: &str, to: &str, variable: &str| Connection {
+        from: format!("{from}.{variable}"),
+        to: format!("{to}.{variable}"),
+        tolerance_absolute: None,
+    };
+    let mut connections = Vec::new();
+    for freedom in freedoms {
+        let (motion, load) = variables(freedom);
+        connections.extend(motion.iter().map(|variable| link(STRUCTURE, FLUID, variable)));
+        connections.push(link(FLUID, STRUCTURE, &load));
+    }
+    connections
+}
+
+/// Outputs that say nothing in this scene.
+fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
+    let probes: usize =
+        scene.fluid.as_ref().map_or(0, |fluid| fluid.probe.iter().map(|probe| probe.points().len()).sum());
+    let regions = scene.fluid.as_ref().map_or(0, |fluid| fluid.region.len());
+    let mut names: Vec<String> = (probes + 1..=PROBES).map(|i| format!("{FLUID}.probe.pressure[{i}]")).collect();
+    names.extend((regions + 1..=REGIONS).map(|i| format!("{FLUID}.region.mass[{i}]")));
+    let all = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MODES).map(mode));
+    for freedom in all.filter(|freedom| !freedoms.contains(freedom)) {
+        let (motion, load) = variables(&freedom);
+        names.extend(motion.iter().map(|variable| format!("{STRUCTURE}.{variable}")));
+        names.push(format!("{FLUID}.{load}"));
+    }
+    if !scene.structure.as_ref().is_some_and(|structure| structure.beam.is_some()) {
+        names.extend(["middle", "tip"].map(|place| format!("{STRUCTURE}.deflection.{place}")));
+    }
+    names
+}
+
+fn labels(scene: &Scene) -> BTreeMap<String, String> {
+    let Some(fluid) = &scene.fluid else { return BTreeMap::new() };
+    let point_names = fluid.probe.iter().flat_map(|probe| {
+        let count = probe.points().len();
+        let name = probe.name.clone();
+        (1..=count).map(move |i| if count == 1 { name.clone() } else { format!("{name}, {i}") })
+    });
+    let probes = point_names.enumerate().map(|(i, name)| (format!("{FLUID}.probe.pressure[{}]", i + 1), name));
+    let regions = fluid.region.iter().enumerate();
+    let regions = regions.map(|(i, region)| (format!("{FLUID}.region.mass[{}]", i + 1), region.name.clone()));
+    probes.chain(regions).collect()
+}
+
+/// Whether the text of a file is a case rather than a scene.
+pub fn is_case(text: &str) -> bool {
+    text.lines().any(|line| line.trim_start().starts_with("[[fmu]]"))
+}
+
+/// Name of a scene file without folder and extension.
+pub fn scene_name(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENE: &str = "title = 'plate'\n[run]\nend = 1.0\ncommunication_step = 0.01\n[fluid]\nspacing = 0.01\n\
+        water = [{ polygon = [[0,0],[1,0],[1,0.5],[0,0.5]] }]\n\
+        probe = [{ name = 'P', point = [0.5, 0.1] }, { name = 'line', from = [0,0.1], to = [0,0.4], count = 3 }]\n\
+        [structure]\nfree = ['theta']\nmass = 1.0\ninertia = 1.0\n[structure.beam]\nsupport = 'clamped_free'\n\
+        middle = [2.0, 0.0]\nlength = 0.1\nthickness = 0.01\ndensity = 1e3\nyoungs_modulus = 1e6\nmodes = 2\n";
+
+    fn places() -> Places {
+        Places { scene: "s.toml".into(), fmus: "fmus".into(), frames: "out/frames".into() }
+    }
+
+    #[test]
+    fn only_the_freedoms_of_the_scene_cross() {
+        let scene = Scene::from_str(SCENE, "s.toml").unwrap();
+        let case = case(&scene, &[("fluid.spacing".into(), "0.02".into())], Some(2), &places());
+        // Three freedoms: each three motions forward and one load back; the structure steps first.
+        assert_eq!(case.connection.len(), 12);
+        let froms: Vec<&str> = case.connection[..4].iter().map(|connection| connection.from.as_str()).collect();
+        let expected =
+            ["structure.motion.theta", "structure.motion.vtheta", "structure.motion.atheta", "fluid.load.mz"];
+        assert_eq!(froms, expected);
+        assert_eq!(case.fmu[0].name, STRUCTURE);
+        assert_eq!(case.fmu[1].parameters["scene_overrides"].as_str(), Some("fluid.spacing=0.02"));
+        assert_eq!(case.fmu[1].parameters["threads"].as_integer(), Some(2));
+        let excluded = |name: &str| case.exclude.iter().any(|known| known == name);
+        assert!(excluded("fluid.load.fx") && excluded("structure.motion.q[3]") && !excluded("fluid.load.q[2]"));
+        assert!(excluded("fluid.probe.pressure[5]") && !excluded("fluid.probe.pressure[4]"));
+        assert_eq!(case.labels["fluid.probe.pressure[3]"], "line, 2");
+    }
+
+    #[test]
+    fn a_scene_without_water_or_without_structure_runs_one_fmu() {
+        let scene = Scene::from_str(SCENE, "s.toml").unwrap();
+        let dry = Scene { fluid: None, ..scene.clone() };
+        let still = Scene { structure: None, ..scene };
+        assert_eq!(case(&dry, &[], None, &places()).fmu.len(), 1);
+        assert!(case(&still, &[], None, &places()).connection.is_empty());
+    }
+}
