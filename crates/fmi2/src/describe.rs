@@ -13,9 +13,9 @@ pub fn guid<C: Component>(model: &Model<C>) -> Result<Uuid, Failure> {
     Ok(Uuid::new_v5(&Uuid::NAMESPACE_URL, xml_with(model, "")?.as_bytes()))
 }
 
-/// modelDescription.xml.
+/// modelDescription.xml. The GUID has no braces: some importers pass on what they find between them.
 pub fn xml<C: Component>(model: &Model<C>) -> Result<String, Failure> {
-    xml_with(model, &format!("{{{}}}", guid(model)?))
+    xml_with(model, &guid(model)?.to_string())
 }
 
 fn xml_with<C: Component>(model: &Model<C>, guid: &str) -> Result<String, Failure> {
