@@ -2,10 +2,13 @@
 
 pub mod case;
 pub mod checks;
+pub mod command;
 pub mod coupling;
 pub mod direct;
 pub mod fmu;
+pub mod job;
 pub mod log;
+pub mod pack;
 pub mod participant;
 pub mod progress;
 pub mod record;

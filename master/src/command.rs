@@ -1,0 +1,276 @@
+//! The command line.
+
+use crate::case::Case;
+use crate::fmu::FmuParticipant;
+use crate::job::{Facts, Job};
+use crate::log::Log;
+use crate::pack;
+use crate::participant::Participant;
+use crate::progress::Progress;
+use crate::record::{Status, Summary};
+use crate::scene_case::{self, Places};
+use clap::{Parser, Subcommand};
+use scene::Scene;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What runs when nothing is asked.
+const DEFAULT_SCENE: &str = "dam_break_plate";
+/// Exit code of a run that the user ended (128 + SIGINT).
+const INTERRUPTED: u8 = 130;
+
+/// Water and structure, two FMUs, coupled implicitly.
+///
+/// Without a command, packs the FMUs and runs the scene dam_break_plate.
+#[derive(Debug, Parser)]
+#[command(name = "plimsoll", version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a scene or a case and write results, pictures and a summary.
+    ///
+    /// Writes into the folder: results.csv (time series), iterations.csv (coupling), summary.json and summary.md,
+    /// plots/, frames/ (VTK for ParaView), log.txt. The exit code is 0 only when the run reached its end.
+    Run(RunArguments),
+    /// Make fluid.fmu and structure.fmu.
+    Pack {
+        /// Folder for the FMUs.
+        #[arg(long, default_value = "fmus")]
+        out: PathBuf,
+        /// Modes of the beam that the interface has room for.
+        #[arg(long, default_value_t = components::DEFAULT_MODES)]
+        modes: usize,
+    },
+    /// Read a scene or a case, check it, and list its numbers; nothing runs.
+    Check {
+        /// Name of a scene, or path of a scene or case file.
+        target: String,
+        /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
+        #[arg(long, value_name = "KEY.PATH=VALUE")]
+        set: Vec<String>,
+    },
+    /// List the scenes by name.
+    ListScenes,
+}
+
+#[derive(Debug, clap::Args)]
+struct RunArguments {
+    /// Name of a scene, or path of a scene or case file.
+    #[arg(value_name = "SCENE-OR-CASE")]
+    target: String,
+    /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
+    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    set: Vec<String>,
+    /// Folder for the results [default: results/NAME].
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Threads of the fluid; 0 takes all processors [default: as the scene says].
+    #[arg(long)]
+    threads: Option<usize>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+type Failure = Box<dyn Error>;
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        None => run(&RunArguments::of(DEFAULT_SCENE)),
+        Some(Command::Run(arguments)) => run(&arguments),
+        Some(Command::Pack { out, modes }) => pack_fmus(&out, modes),
+        Some(Command::Check { target, set }) => check(&target, &set),
+        Some(Command::ListScenes) => list_scenes(),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        ExitCode::FAILURE
+    })
+}
+
+impl RunArguments {
+    fn of(scene: &str) -> Self {
+        Self { target: scene.to_string(), set: Vec::new(), out: None, threads: None, quiet: false }
+    }
+}
+
+fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    let overrides = overrides(&arguments.set)?;
+    let path = locate(&arguments.target)?;
+    let name = scene_case::scene_name(&path);
+    let folder = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(&name));
+    let job = if scene_case::is_case(&read(&path)?) {
+        case_job(&path, name, folder, &overrides, arguments)?
+    } else {
+        scene_job(&path, name, folder, &overrides, arguments)?
+    };
+    job.prepare_folder()?;
+    let log = Log::to_file(&job.folder.join("log.txt"), true)?;
+    let participants = participants(&job.case, &log)?;
+    let interrupted = watch_for_interruption()?;
+    if !arguments.quiet {
+        eprintln!("{}: {} s", job.case.title, job.case.run.end);
+    }
+    let mut progress = Progress::new(job.case.start, job.case.run.end, arguments.quiet);
+    let (summary, _) = job.execute(participants, &interrupted, &mut progress)?;
+    Ok(conclude(&summary, &job.folder, arguments.quiet))
+}
+
+fn scene_job(
+    path: &Path,
+    name: String,
+    folder: PathBuf,
+    overrides: &[(String, String)],
+    arguments: &RunArguments,
+) -> Result<Job, Failure> {
+    let scene = Scene::from_file_with(path, overrides)?;
+    let modes = scene_case::modes(&scene).max(components::DEFAULT_MODES);
+    let fmus = pack::program_folder().join(format!("fmus-{modes}-modes"));
+    for packed in pack::pack(&fmus, modes)? {
+        if packed.written && !arguments.quiet {
+            eprintln!("packed {}", packed.path.display());
+        }
+    }
+    let places = Places {
+        scene: std::path::absolute(path)?,
+        fmus,
+        frames: std::path::absolute(folder.join("frames"))?,
+    };
+    let case = scene_case::case(&scene, overrides, arguments.threads, &places);
+    let references = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    Ok(Job { name, case, folder, references, facts: Facts::of(&scene) })
+}
+
+fn case_job(
+    path: &Path,
+    name: String,
+    folder: PathBuf,
+    overrides: &[(String, String)],
+    arguments: &RunArguments,
+) -> Result<Job, Failure> {
+    if arguments.threads.is_some() {
+        return Err("--threads is for scenes; in a case set the parameter of the FMU, for example --set \
+                    fmu.0.parameters.threads=2"
+            .into());
+    }
+    let case = Case::from_file(path, overrides)?;
+    let references = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    Ok(Job { name, case, folder, references, facts: Facts::default() })
+}
+
+fn participants(case: &Case, log: &Log) -> Result<Vec<Box<dyn Participant>>, Failure> {
+    let mut participants: Vec<Box<dyn Participant>> = Vec::new();
+    for fmu in &case.fmu {
+        participants.push(Box::new(FmuParticipant::load(&fmu.path, &fmu.name, log)?));
+    }
+    Ok(participants)
+}
+
+/// A flag that the first Ctrl-C raises; the second ends the program at once.
+fn watch_for_interruption() -> Result<Arc<AtomicBool>, Failure> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let raised = Arc::clone(&flag);
+    ctrlc::set_handler(move || {
+        if raised.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        eprintln!("ending after this step; once more to end at once");
+    })?;
+    Ok(flag)
+}
+
+fn conclude(summary: &Summary, folder: &Path, quiet: bool) -> ExitCode {
+    if let Some(error) = &summary.error {
+        eprintln!("error: {error}");
+    }
+    if !quiet {
+        let (steps, wall) = (summary.steps, summary.wall_seconds);
+        eprintln!("{:.6} s simulated in {steps} steps, {wall:.1} s of wall-clock time", summary.simulated_seconds);
+        for (name, check) in &summary.checks {
+            let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| format!("{value:.5}"));
+            let reference = check.reference.map_or_else(String::new, |value| format!(", reference {value:.5}"));
+            println!("{name}: {}{reference} {}", number(check.value), check.unit);
+        }
+        println!("report: {}", folder.join("summary.md").display());
+    }
+    match summary.status {
+        Status::Complete => ExitCode::SUCCESS,
+        Status::Interrupted => ExitCode::from(INTERRUPTED),
+        Status::Failed => ExitCode::FAILURE,
+    }
+}
+
+fn pack_fmus(out: &Path, modes: usize) -> Result<ExitCode, Failure> {
+    let range = pack::modes_range();
+    if !range.contains(&modes) {
+        return Err(format!("--modes {modes}: expected {} to {}", range.start(), range.end()).into());
+    }
+    for packed in pack::pack(out, modes)? {
+        let state = if packed.written { "written" } else { "unchanged" };
+        println!("{} ({} kB, {state})", packed.path.display(), packed.size / 1000);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn check(target: &str, set: &[String]) -> Result<ExitCode, Failure> {
+    let overrides = overrides(set)?;
+    let path = locate(target)?;
+    let text = if scene_case::is_case(&read(&path)?) {
+        toml::to_string(&Case::from_file(&path, &overrides)?)?
+    } else {
+        toml::to_string(&Scene::from_file_with(&path, &overrides)?)?
+    };
+    println!("# {}: valid; every number, defaults included:\n{text}", path.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+fn list_scenes() -> Result<ExitCode, Failure> {
+    let folder = pack::scenes_folder()?;
+    for path in pack::files_with(&folder, "toml")? {
+        let name = scene_case::scene_name(&path);
+        match Scene::from_file(&path) {
+            Ok(scene) => println!("{name:24} {}", scene.title),
+            Err(error) => println!("{name:24} not valid: {error}"),
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn overrides(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
+    let mut pairs = Vec::new();
+    for text in set {
+        pairs.extend(scene::parse_overrides(text)?);
+    }
+    Ok(pairs)
+}
+
+/// A path as it is, or the scene of that name.
+fn locate(target: &str) -> Result<PathBuf, Failure> {
+    let path = PathBuf::from(target);
+    if path.is_file() {
+        return Ok(path);
+    }
+    let folder = pack::scenes_folder()?;
+    let scene = folder.join(format!("{target}.toml"));
+    if scene.is_file() {
+        return Ok(scene);
+    }
+    let names: Vec<String> =
+        pack::files_with(&folder, "toml")?.iter().map(|path| scene_case::scene_name(path)).collect();
+    let hint = crate::participant::nearest(target, names.iter().map(String::as_str));
+    let hint = hint.map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
+    let known = names.join(", ");
+    Err(format!("'{target}' is neither a file nor a scene in {} ({known}){hint}", folder.display()).into())
+}
+
+fn read(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path).map_err(|error| format!("cannot read {}: {error}", path.display()).into())
+}
