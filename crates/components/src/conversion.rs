@@ -157,3 +157,53 @@ fn paper(paper: &scene::Paper) -> fluid::PaperParameters {
         surface_deviation: paper.surface_deviation,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENE: &str = "title = 'box'\n[run]\nend = 1.0\ncommunication_step = 0.01\n[fluid]\nspacing = 0.01\n\
+        water = [{ polygon = [[0,0],[1,0],[1,0.5],[0,0.5]] }]\nwall = [{ points = [[0,0],[1,0],[1,1]], closed = true }]\n\
+        probe = [{ name = 'line', from = [0,0.1], to = [0,0.4], count = 3 }]\n\
+        [structure]\nfree = ['theta', 'y']\nmass = 2.0\ninertia = 3.0\nangle = 0.1\n\
+        [structure.beam]\nsupport = 'clamped_free'\nmiddle = [2.0, 0.0]\nlength = 0.1\nthickness = 0.012\n\
+        density = 2500\nyoungs_modulus = 1e6\npoisson_ratio = 0.3\nmodes = 3\ndamping = [0.01]\ninitial_modes = [0.5]\n";
+
+    fn scene(text: &str) -> Scene {
+        Scene::from_str(text, "box.toml").unwrap()
+    }
+
+    #[test]
+    fn missing_entries_are_filled_and_freedoms_are_in_order() {
+        let parameters = structure(&scene(SCENE)).unwrap();
+        assert_eq!(parameters.free, [false, true, true]);
+        assert_eq!((parameters.gravity, parameters.angle), (9.81, 0.1));
+        let beam = parameters.beam.unwrap();
+        assert_eq!(beam.damping_ratios, [0.01, 0.0, 0.0]);
+        // E h^3 / (12 (1 - nu^2)) = 144 / 0.91 / 1000.
+        assert!((beam.bending_stiffness - 0.144 / 0.91).abs() < 1e-15);
+        assert_eq!(beam.modes.line_density(), 30.0);
+        assert_eq!(initial_modes(&scene(SCENE)), [0.5, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn closed_walls_come_back_and_line_probes_are_points() {
+        let (parameters, geometry) = fluid(&scene(SCENE)).unwrap();
+        assert_eq!(geometry.fixed_walls[0].first(), geometry.fixed_walls[0].last());
+        assert_eq!(geometry.fixed_walls[0].len(), 4);
+        assert_eq!(geometry.probes.len(), 3);
+        assert_eq!(geometry.body.unwrap().modes(), 3);
+        assert_eq!(parameters.solve.tolerance, 1e-8, "loads on a moving body need it");
+    }
+
+    #[test]
+    fn free_flow_needs_less_and_a_given_tolerance_stays() {
+        let text = &SCENE[..SCENE.find("[structure]").unwrap()];
+        assert_eq!(fluid(&scene(text)).unwrap().0.solve.tolerance, 1e-3);
+        let given = text.replace("spacing = 0.01", "spacing = 0.01\nsolve = { tolerance = 1e-5 }");
+        assert_eq!(fluid(&scene(&given)).unwrap().0.solve.tolerance, 1e-5);
+        assert!(structure(&scene(text)).unwrap_err().to_string().contains("[structure]"));
+        let tilted = SCENE.replace("title = 'box'", "title = 'box'\ngravity = [1.0, -9.81]");
+        assert!(structure(&scene(&tilted)).unwrap_err().to_string().contains("[1.0, -9.81]"));
+    }
+}

@@ -20,6 +20,7 @@ pub(super) fn model(modes: usize) -> Model<FluidComponent> {
     let (loads, motions): (Vec<_>, Vec<_>) = meeting.into_iter().partition(|(family, _)| *family == LOAD);
     variables.extend(motions.into_iter().map(|(family, variable)| motion_input(family, variable)));
     variables.extend(loads.into_iter().map(|(_, variable)| variable));
+    variables.extend(places());
     variables.extend(figures());
     variables.extend(numbers());
     variables.extend(stages());
@@ -95,11 +96,13 @@ fn parameters() -> Vec<Row> {
     ]
 }
 
-/// Figures that are computed from the state when they are read.
-fn figures() -> Vec<Row> {
-    fn figure(this: &FluidComponent, read: impl Fn(&Observables) -> f64) -> f64 {
-        this.observables().map_or(0.0, read)
-    }
+/// A figure of the present state; 0 before initialisation.
+fn figure(this: &FluidComponent, read: impl Fn(&Observables) -> f64) -> f64 {
+    this.observables().map_or(0.0, read)
+}
+
+/// Figures at the scene's probes and in its regions, computed from the state when they are read.
+fn places() -> Vec<Row> {
     let probes = (0..PROBES).map(|index| {
         let name = format!("probe.pressure[{}]", index + 1);
         let meaning = "pressure at a probe point, in the order of the scene; 0 where it has fewer";
@@ -116,8 +119,13 @@ fn figures() -> Vec<Row> {
         })
         .at(index)
     });
+    probes.chain(regions).collect()
+}
+
+/// Figures of the whole water, computed from the state when they are read.
+fn figures() -> Vec<Row> {
     let row = |reference, name: &str, meaning: &str, kind, get| Row::real(reference, name, meaning, kind, get);
-    let single = vec![
+    vec![
         row(360, "wall.force_x", "force of the water on the fixed walls, along X", "Force", |this, _| {
             figure(this, |seen| seen.wall_force.x)
         }),
@@ -144,8 +152,7 @@ fn figures() -> Vec<Row> {
         row(369, "maximum_speed", "largest speed of a particle", "Velocity", |this, _| {
             figure(this, |seen| seen.maximum_speed)
         }),
-    ];
-    probes.chain(regions).chain(single).collect()
+    ]
 }
 
 /// Counts and what the solver said of the last step.
