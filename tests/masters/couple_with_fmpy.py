@@ -92,6 +92,16 @@ class Participant:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
+def dot(a, b):
+    """Sum in the order of the entries: a library's own order differs from machine to machine, and splashing water makes
+    a large difference of a last digit within tenths of a second."""
+    return sum(x * y for x, y in zip(a, b))
+
+
+def norm(a):
+    return np.sqrt(dot(a, a))
+
+
 class Constant:
     """Q + omega r."""
 
@@ -119,9 +129,9 @@ class Aitken(Constant):
         residual = produced - used
         if self.last is not None:
             change = residual - self.last
-            square = sum(change * change)
+            square = dot(change, change)
             if square > 0:
-                self.factor *= -sum(self.last * change) / square
+                self.factor *= -dot(self.last, change) / square
         self.last = residual
         return used + self.factor * residual
 
@@ -139,12 +149,12 @@ class IqnIls(Constant):
 
     def learn(self, used, produced):
         residual = produced - used
-        norm = np.linalg.norm(residual)
-        if norm > 0:
-            self.sums = self.sums + abs(residual) / norm
+        length = norm(residual)
+        if length > 0:
+            self.sums = self.sums + abs(residual) / length
         if self.last is not None:
             column = (residual - self.last[0], produced - self.last[1])
-            if np.linalg.norm(column[0]) > 0:
+            if norm(column[0]) > 0:
                 self.current.insert(0, column)
         self.last = (residual, produced)
         return residual
@@ -165,21 +175,23 @@ class IqnIls(Constant):
             rest, projections = vector.copy(), np.zeros(len(basis))
             for _ in range(2):
                 for index, direction in enumerate(basis):
-                    part = direction @ rest
+                    part = dot(direction, rest)
                     rest = rest - part * direction
                     projections[index] += part
-            length = np.linalg.norm(rest)
-            if length > self.FILTER * np.linalg.norm(vector):
+            length = norm(rest)
+            if length > self.FILTER * norm(vector):
                 basis.append(rest / length)
                 outputs.append(output)
                 rows.append(np.append(projections, length))
         if not basis:
             return used + RELAXATION * residual
-        triangle = np.zeros((len(basis), len(basis)))
-        for column, row in enumerate(rows):
-            triangle[: column + 1, column] = row
-        right = np.array([direction @ (-weights * residual) for direction in basis])
-        return produced + np.linalg.solve(triangle, right) @ np.array(outputs)
+        right = -weights * residual
+        factors = [dot(direction, right) for direction in basis]
+        for k in reversed(range(len(basis))):
+            factors[k] /= rows[k][k]
+            for j in range(k):
+                factors[j] -= rows[k][j] * factors[k]
+        return produced + sum(output * factor for output, factor in zip(outputs, factors))
 
     def accept(self, used, produced):
         self.learn(used, produced)
