@@ -8,6 +8,7 @@ use crate::pack;
 use crate::participant::Participant;
 use crate::progress::Progress;
 use crate::record::{Status, Summary};
+use crate::report::Short;
 use crate::scene_case::{self, Places};
 use clap::{Parser, Subcommand};
 use scene::Scene;
@@ -139,11 +140,8 @@ fn scene_job(
             eprintln!("packed {}", packed.path.display());
         }
     }
-    let places = Places {
-        scene: std::path::absolute(path)?,
-        fmus,
-        frames: std::path::absolute(folder.join("frames"))?,
-    };
+    let places =
+        Places { scene: std::path::absolute(path)?, fmus, frames: std::path::absolute(folder.join("frames"))? };
     let case = scene_case::case(&scene, overrides, arguments.threads, &places);
     let references = path.parent().unwrap_or(Path::new("")).to_path_buf();
     Ok(Job { name, case, folder, references, facts: Facts::of(&scene) })
@@ -195,9 +193,9 @@ fn conclude(summary: &Summary, folder: &Path, quiet: bool) -> ExitCode {
         let (steps, wall) = (summary.steps, summary.wall_seconds);
         eprintln!("{:.6} s simulated in {steps} steps, {wall:.1} s of wall-clock time", summary.simulated_seconds);
         for (name, check) in &summary.checks {
-            let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| format!("{value:.5}"));
-            let reference = check.reference.map_or_else(String::new, |value| format!(", reference {value:.5}"));
-            println!("{name}: {}{reference} {}", number(check.value), check.unit);
+            let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| Short(value).to_string());
+            let reference = check.reference.map_or_else(String::new, |value| format!(", reference {}", Short(value)));
+            println!("{name}: {} {}{reference}", number(check.value), check.unit);
         }
         println!("report: {}", folder.join("summary.md").display());
     }

@@ -91,12 +91,8 @@ impl Job {
 
     fn summary(&self, outcome: &Outcome) -> Summary {
         let frames = self.folder.join("frames");
-        let context = Context {
-            series: &outcome.series,
-            frames: &frames,
-            folder: &self.references,
-            water: self.facts.water,
-        };
+        let context =
+            Context { series: &outcome.series, frames: &frames, folder: &self.references, water: self.facts.water };
         Summary {
             scene: self.name.clone(),
             title: self.case.title.clone(),

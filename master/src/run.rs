@@ -92,7 +92,7 @@ pub fn run(
         ResultWriter::create(&folder.join("results.csv"), &system, &case.exclude, case.output.record_interval)?;
     let (counts, stages) = (IterationCounts::default(), Stages::default());
     let mut run = Run { system, stepper, iterations, results, counts, stages };
-    let result = run.to_end(interrupted, progress);
+    let result = run.steps(interrupted, progress);
     let (status, error) = match result {
         Ok(status) => (status, None),
         Err(error) => (Status::Failed, Some(error)),
@@ -110,7 +110,7 @@ struct Run {
 }
 
 impl Run {
-    fn to_end(&mut self, interrupted: &AtomicBool, progress: &mut Progress) -> Result<Status, Error> {
+    fn steps(&mut self, interrupted: &AtomicBool, progress: &mut Progress) -> Result<Status, Error> {
         self.results.record(&mut self.system, self.stepper.clock().time(), true)?;
         while !self.stepper.clock().finished() {
             if interrupted.load(Ordering::Relaxed) {

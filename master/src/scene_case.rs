@@ -143,7 +143,7 @@ fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
         names.extend(motion.iter().map(|variable| format!("{STRUCTURE}.{variable}")));
         names.push(format!("{FLUID}.{load}"));
     }
-    if !scene.structure.as_ref().is_some_and(|structure| structure.beam.is_some()) {
+    if scene.structure.as_ref().is_none_or(|structure| structure.beam.is_none()) {
         names.extend(["middle", "tip"].map(|place| format!("{STRUCTURE}.deflection.{place}")));
     }
     names

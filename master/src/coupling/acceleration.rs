@@ -29,6 +29,11 @@ impl Accelerator {
         }
     }
 
+    /// Whether the method should converge fast or not at all.
+    pub fn is_quasi_newton(&self) -> bool {
+        matches!(self, Self::IqnIls(_))
+    }
+
     /// Forgets what belongs to the last step alone.
     pub fn start_step(&mut self) {
         match self {

@@ -19,7 +19,7 @@ mod weights;
 
 pub use acceleration::{Accelerator, Aitken};
 pub use clock::{Clock, steps_between};
-pub use convergence::{Residual, Tolerance};
+pub use convergence::{Residual, Stall, Tolerance};
 pub use error::Error;
 pub use iqn_ils::IqnIls;
 pub use predictor::Predictor;

@@ -1,6 +1,6 @@
 //! The implicit step: guess, pass, compare, accelerate; halve the step when that does not converge.
 
-use super::{Accelerator, Clock, Error, Pass, Predictor, Residual, System, Tolerance};
+use super::{Accelerator, Clock, Error, Pass, Predictor, Residual, Stall, System, Tolerance};
 
 /// How steps are coupled. Validated by [`scene::Coupling`].
 #[derive(Debug, Clone, PartialEq)]
@@ -138,6 +138,7 @@ impl Stepper {
         system.save()?;
         accelerator.start_step();
         let mut iteration = 1;
+        let mut stall = Stall::default();
         loop {
             if let Err(failure) = Failure::check(system.pass(time, duration, &guess)?) {
                 return Ok(Err(failure));
@@ -152,7 +153,8 @@ impl Stepper {
                 self.predictor.accept(time, duration, &produced);
                 return Ok(Ok(iteration));
             }
-            if iteration >= self.maximum_iterations {
+            let stalled = accelerator.is_quasi_newton() && stall.update(iteration, &row.residuals);
+            if stalled || iteration >= self.maximum_iterations {
                 return Ok(Err(Failure::NotConverged { iterations: iteration, residuals: row.residuals }));
             }
             guess = accelerator.next(&guess, &produced);

@@ -1,41 +1,38 @@
 //! The functions of an FMU's shared library.
 
-use super::abi::{
-    Boolean, Derivative, DoStep, FreeInstance, Get, Instantiate, Plain, Set, SetupExperiment, StateByAddress,
-    StateByValue, Text, Version,
-};
 use super::{Archive, Error};
 use crate::participant::Description;
-use std::ffi::{CStr, c_int};
+use fmi2::ffi;
+use std::ffi::CStr;
 
 /// Loaded functions. The library stays loaded as long as this value lives.
 pub struct Library {
-    pub(super) instantiate: Instantiate,
-    pub(super) free_instance: FreeInstance,
-    pub(super) setup_experiment: SetupExperiment,
-    pub(super) enter_initialisation: Plain,
-    pub(super) exit_initialisation: Plain,
-    pub(super) terminate: Plain,
-    pub(super) get_real: Get<f64>,
-    pub(super) set_real: Set<f64>,
-    pub(super) get_integer: Get<c_int>,
-    pub(super) set_integer: Set<c_int>,
-    pub(super) get_boolean: Get<Boolean>,
-    pub(super) set_boolean: Set<Boolean>,
-    pub(super) get_string: Get<Text>,
-    pub(super) set_string: Set<Text>,
-    pub(super) do_step: DoStep,
+    pub(super) instantiate: ffi::Instantiate,
+    pub(super) free_instance: ffi::FreeInstance,
+    pub(super) setup_experiment: ffi::SetupExperiment,
+    pub(super) enter_initialisation: ffi::ComponentFunction,
+    pub(super) exit_initialisation: ffi::ComponentFunction,
+    pub(super) terminate: ffi::ComponentFunction,
+    pub(super) get_real: ffi::GetReal,
+    pub(super) set_real: ffi::SetReal,
+    pub(super) get_integer: ffi::GetInteger,
+    pub(super) set_integer: ffi::SetInteger,
+    pub(super) get_boolean: ffi::GetBoolean,
+    pub(super) set_boolean: ffi::SetBoolean,
+    pub(super) get_string: ffi::GetString,
+    pub(super) set_string: ffi::SetString,
+    pub(super) do_step: ffi::DoStep,
     pub(super) states: Option<StateFunctions>,
-    pub(super) derivative: Option<Derivative>,
+    pub(super) derivative: Option<ffi::GetDirectionalDerivative>,
     _library: libloading::Library,
 }
 
 /// Functions that only FMUs with canGetAndSetFMUstate need to have.
 #[derive(Clone, Copy)]
 pub(super) struct StateFunctions {
-    pub get: StateByAddress,
-    pub set: StateByValue,
-    pub free: StateByAddress,
+    pub get: ffi::GetFmuState,
+    pub set: ffi::SetFmuState,
+    pub free: ffi::FreeFmuState,
 }
 
 impl Library {
@@ -99,7 +96,7 @@ impl Loader<'_> {
     }
 
     fn check_version(&self) -> Result<(), Error> {
-        let version: Version = self.function("fmi2GetVersion")?;
+        let version: ffi::GetText = self.function("fmi2GetVersion")?;
         // SAFETY: fmi2GetVersion takes nothing and returns a static string or NULL.
         let text = unsafe { version() };
         if text.is_null() {

@@ -1,7 +1,7 @@
 //! The receiving end of an FMU's messages.
 
-use super::abi::{OK, Status, Text, WARNING};
 use crate::log::{Level, Log};
+use fmi2::ffi::{Status, Text};
 use std::ffi::{CStr, c_void};
 
 /// Where the messages of one instance go; its address is the componentEnvironment of the callbacks.
@@ -25,8 +25,8 @@ unsafe extern "C" fn plimsoll_log_message(
     // SAFETY: by the contract above; the participant keeps its environment until the instance is freed.
     let Some(environment) = (unsafe { environment.cast::<Environment>().as_ref() }) else { return };
     let level = match status {
-        OK => Level::Information,
-        WARNING => Level::Warning,
+        Status::OK => Level::Information,
+        Status::WARNING => Level::Warning,
         _ => Level::Error,
     };
     // SAFETY: by the contract above.

@@ -1,29 +1,31 @@
 //! An FMU as a participant.
 
-use super::abi::{
-    self, CO_SIMULATION, Callbacks, Component, DISCARD, ERROR, FALSE, Get, OK, Set, StateHandle, Status, TRUE, WARNING,
-    status_name,
-};
+use super::abi;
 use super::library::StateFunctions;
 use super::logger::Environment;
 use super::{Archive, Error as FmuError, Library, Model};
 use crate::log::Log;
 use crate::participant::{Description, Error, Kind, Outcome, Participant, Value, Variable};
+use fmi2::ffi::{CallbackFunctions, Component, FALSE, FmuState, Status, TRUE, Type};
 use std::ffi::{CStr, CString, c_int};
 use std::path::Path;
 use std::ptr::null_mut;
 use std::rc::Rc;
+
+/// The C type of the getters and setters of one type.
+type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> Status;
+type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> Status;
 
 /// One instance of an FMU. Dropping it frees its states and the instance, then unloads the library.
 pub struct FmuParticipant {
     model: Model,
     library: Library,
     component: Component,
-    states: Vec<StateHandle>,
+    states: Vec<FmuState>,
     time: f64,
     // Addresses of both are known to the FMU: they stay in place until the instance is freed.
     environment: Rc<Environment>,
-    _callbacks: Rc<Callbacks>,
+    _callbacks: Rc<CallbackFunctions>,
     // Last, so that the files outlive the library.
     _archive: Archive,
 }
@@ -36,12 +38,12 @@ impl FmuParticipant {
             .map_err(|reason| FmuError::Description { path: archive.path.clone(), reason })?;
         let library = Library::load(&archive, &model.identifier, &model.description)?;
         let environment = Rc::new(Environment { log: log.clone(), participant: name.to_string() });
-        let callbacks = Rc::new(Callbacks {
-            logger: abi::plimsoll_logger,
-            allocate_memory: abi::calloc,
-            free_memory: abi::free,
+        let callbacks = Rc::new(CallbackFunctions {
+            logger: Some(abi::plimsoll_logger),
+            allocate_memory: Some(abi::calloc),
+            free_memory: Some(abi::free),
             step_finished: None,
-            environment: Rc::as_ptr(&environment).cast_mut().cast(),
+            component_environment: Rc::as_ptr(&environment).cast_mut().cast(),
         });
         let component = instantiate(&library, &model, &archive, name, &callbacks);
         if component.is_null() {
@@ -53,14 +55,14 @@ impl FmuParticipant {
     }
 
     fn check(&self, action: impl FnOnce() -> String, status: Status) -> Result<(), Error> {
-        if status == OK || status == WARNING {
+        if status == Status::OK || status == Status::WARNING {
             return Ok(());
         }
         Err(Error::Call {
             participant: self.environment.participant.clone(),
             action: action(),
             time: self.time,
-            status: status_name(status),
+            status: status.name().to_string(),
             message: self.problem(),
         })
     }
@@ -101,12 +103,26 @@ impl FmuParticipant {
     }
 }
 
-fn instantiate(library: &Library, model: &Model, archive: &Archive, name: &str, callbacks: &Callbacks) -> Component {
+fn instantiate(
+    library: &Library,
+    model: &Model,
+    archive: &Archive,
+    name: &str,
+    callbacks: &CallbackFunctions,
+) -> Component {
     let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
     let (name, guid, resources) = (text(name), text(&model.guid), text(&archive.resource_location()));
     // SAFETY: all strings are terminated and live through the call; the callbacks live until the instance is freed.
     unsafe {
-        (library.instantiate)(name.as_ptr(), CO_SIMULATION, guid.as_ptr(), resources.as_ptr(), callbacks, FALSE, TRUE)
+        (library.instantiate)(
+            name.as_ptr(),
+            Type::CO_SIMULATION,
+            guid.as_ptr(),
+            resources.as_ptr(),
+            callbacks,
+            FALSE,
+            TRUE,
+        )
     }
 }
 
@@ -191,8 +207,8 @@ impl Participant for FmuParticipant {
         self.time = time;
         // SAFETY: the instance is alive. States before this point may be restored, hence FALSE.
         let status = unsafe { (self.library.do_step)(self.component, time, duration, FALSE) };
-        if status == DISCARD || status == ERROR {
-            return Ok(Outcome::Refused { reason: format!("{}{}", status_name(status), self.problem()) });
+        if status == Status::DISCARD || status == Status::ERROR {
+            return Ok(Outcome::Refused { reason: format!("{}{}", status.name(), self.problem()) });
         }
         self.check(|| format!("fmi2DoStep of {duration} s"), status)?;
         self.time = time + duration;

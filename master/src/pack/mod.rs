@@ -14,8 +14,10 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 pub use places::{files_with, library, program_folder, scene_files, scenes_folder};
 
-const LICENCES: [(&str, &str); 2] =
-    [("LICENSE-APACHE.txt", include_str!("../../../LICENSE-APACHE")), ("LICENSE-MIT.txt", include_str!("../../../LICENSE-MIT"))];
+const LICENCES: [(&str, &str); 2] = [
+    ("LICENSE-APACHE.txt", include_str!("../../../LICENSE-APACHE")),
+    ("LICENSE-MIT.txt", include_str!("../../../LICENSE-MIT")),
+];
 
 /// An FMU that cannot be packed.
 #[derive(Debug, Error)]
@@ -80,7 +82,10 @@ pub fn pack(folder: &Path, modes: usize) -> Result<Vec<Packed>, Error> {
     let structure = StructureComponent::model(modes);
     Ok(vec![
         write(&folder.join("fluid.fmu"), &archive(&fluid, "fluid_fmu", documentation::FLUID, &scenes)?)?,
-        write(&folder.join("structure.fmu"), &archive(&structure, "structure_fmu", documentation::STRUCTURE, &scenes)?)?,
+        write(
+            &folder.join("structure.fmu"),
+            &archive(&structure, "structure_fmu", documentation::STRUCTURE, &scenes)?,
+        )?,
     ])
 }
 
@@ -93,17 +98,17 @@ fn archive<C: Component>(
 ) -> Result<Vec<u8>, Error> {
     let path = library(library_name)?;
     let binary = std::fs::read(&path).map_err(|error| Error::file(&path, error))?;
-    let description = describe::xml(model).map_err(|failure| Error::Description {
-        model: model.identifier.to_string(),
-        reason: failure.message,
-    })?;
+    let description = describe::xml(model)
+        .map_err(|failure| Error::Description { model: model.identifier.to_string(), reason: failure.message })?;
     let extension = std::env::consts::DLL_EXTENSION;
     let mut entries: Vec<(String, Vec<u8>)> = vec![
         ("modelDescription.xml".to_string(), description.into_bytes()),
         (format!("binaries/{}/{}.{extension}", crate::fmu::PLATFORM, model.identifier), binary),
         ("documentation/index.html".to_string(), documentation::page(model, equations).into_bytes()),
     ];
-    entries.extend(LICENCES.iter().map(|(name, text)| (format!("documentation/licenses/{name}"), text.as_bytes().to_vec())));
+    entries.extend(
+        LICENCES.iter().map(|(name, text)| (format!("documentation/licenses/{name}"), text.as_bytes().to_vec())),
+    );
     entries.extend(scenes.iter().map(|(name, content)| (format!("resources/scenes/{name}"), content.clone())));
     zipped(entries).map_err(|error| Error::file(Path::new(model.identifier), error))
 }
@@ -146,7 +151,10 @@ mod tests {
         assert_eq!(bytes, zipped(reversed).unwrap());
         let mut archive = zip::ZipArchive::new(Cursor::new(&bytes)).unwrap();
         let first = archive.by_index(0).unwrap();
-        assert_eq!((first.name().unwrap().as_ref(), first.last_modified().map(|date| date.year())), ("a/c", Some(1980)));
+        assert_eq!(
+            (first.name().unwrap().as_ref(), first.last_modified().map(|date| date.year())),
+            ("a/c", Some(1980))
+        );
     }
 
     #[test]

@@ -127,7 +127,7 @@ fn draw_panel(
         .x_label_formatter(&|value| tick(*value, width))
         .y_label_formatter(&|value| tick(*value, height))
         .draw()?;
-    let radius = (0.5 * scale * spacing(&panel.particles)).clamp(0.6, 12.0).ceil() as i32;
+    let radius = (0.58 * scale * spacing(&panel.particles)).clamp(0.6, 12.0).ceil() as i32;
     let particles = panel.particles.iter().zip(&panel.pressures);
     chart.draw_series(particles.map(|(point, pressure)| {
         let place = (f64::from(point[0]), f64::from(point[1]));

@@ -12,4 +12,4 @@ pub use chart::{Band, Chart, Curve};
 pub use field::{FieldFigure, Panel};
 pub use figures::draw_all;
 pub use frames::{FrameEntry, frames, last_frame};
-pub use text::markdown;
+pub use text::{Short, markdown};

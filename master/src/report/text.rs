@@ -76,7 +76,7 @@ fn row(name: &str, check: &CheckResult) -> String {
 }
 
 /// A number with four significant digits.
-struct Short(f64);
+pub struct Short(pub f64);
 
 impl std::fmt::Display for Short {
     fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
