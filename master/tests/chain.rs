@@ -1,5 +1,7 @@
 //! The whole chain: FMUs packed from the libraries of this build, run by the library and by the program.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use components::{FluidComponent, StructureComponent};
 use plimsoll::direct::DirectParticipant;
 use plimsoll::fmu::FmuParticipant;

@@ -1,6 +1,7 @@
 //! Curves against time.
 
 use super::canvas::{Error, FAMILY, save};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -18,6 +19,8 @@ const BAND_COLOUR: RGBColor = RGBColor(150, 150, 150);
 const SIZE: (u32, u32) = (900, 480);
 /// Most points drawn of a curve; more than pixels across show nothing more.
 const MOST_POINTS: usize = 1800;
+
+type Axes<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// One curve.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -84,23 +87,8 @@ impl Chart {
             .x_label_formatter(&|value| tick(*value, x1 - x0))
             .y_label_formatter(&number)
             .draw()?;
-        if let Some(band) = &self.band {
-            let lower = band.points.iter().map(|(x, low, _)| (*x, *low));
-            let outline: Vec<(f64, f64)> = lower.chain(band.points.iter().rev().map(|(x, _, up)| (*x, *up))).collect();
-            chart
-                .draw_series(std::iter::once(Polygon::new(outline, BAND_COLOUR.mix(0.4).filled())))?
-                .label(&band.label)
-                .legend(|(x, y)| Rectangle::new([(x, y - 5), (x + 20, y + 5)], BAND_COLOUR.mix(0.4).filled()));
-        }
-        for (curve, colour) in self.curves.iter().zip(COLOURS.iter().cycle()) {
-            let points = thinned(&curve.points);
-            let drawn = if curve.markers {
-                chart.draw_series(points.into_iter().map(|point| Circle::new(point, 3, colour.filled())))?
-            } else {
-                chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?
-            };
-            drawn.label(&curve.label).legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], colour.stroke_width(3)));
-        }
+        self.draw_band(&mut chart)?;
+        self.draw_curves(&mut chart)?;
         if self.curves.len() > 1 || self.band.is_some() {
             chart
                 .configure_series_labels()
@@ -111,6 +99,31 @@ impl Chart {
                 .draw()?;
         }
         area.present()?;
+        Ok(())
+    }
+
+    fn draw_band(&self, chart: &mut Axes) -> Result<(), Box<dyn std::error::Error>> {
+        if let Some(band) = &self.band {
+            let lower = band.points.iter().map(|(x, low, _)| (*x, *low));
+            let outline: Vec<(f64, f64)> = lower.chain(band.points.iter().rev().map(|(x, _, up)| (*x, *up))).collect();
+            chart
+                .draw_series(std::iter::once(Polygon::new(outline, BAND_COLOUR.mix(0.4).filled())))?
+                .label(&band.label)
+                .legend(|(x, y)| Rectangle::new([(x, y - 5), (x + 20, y + 5)], BAND_COLOUR.mix(0.4).filled()));
+        }
+        Ok(())
+    }
+
+    fn draw_curves(&self, chart: &mut Axes) -> Result<(), Box<dyn std::error::Error>> {
+        for (curve, colour) in self.curves.iter().zip(COLOURS.iter().cycle()) {
+            let points = thinned(&curve.points);
+            let drawn = if curve.markers {
+                chart.draw_series(points.into_iter().map(|point| Circle::new(point, 3, colour.filled())))?
+            } else {
+                chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?
+            };
+            drawn.label(&curve.label).legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], colour.stroke_width(3)));
+        }
         Ok(())
     }
 
