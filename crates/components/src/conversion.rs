@@ -153,7 +153,6 @@ fn paper(paper: &scene::Paper) -> fluid::PaperParameters {
         tension: paper.tension,
         collision_distance: paper.collision_distance,
         restitution: paper.restitution,
-        surface_density: paper.surface_density,
         surface_deviation: paper.surface_deviation,
     }
 }

@@ -28,7 +28,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         tension: option("TENSION", 0.0) > 0.0,
         collision_distance: option("COLLISION", 0.85),
         restitution: 0.2,
-        surface_density: 0.97,
         surface_deviation: 0.2,
     };
     let parameters = Parameters {

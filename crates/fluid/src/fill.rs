@@ -7,6 +7,8 @@ use nalgebra::Vector2;
 pub struct Filling {
     /// Centres of the particles \[m\].
     pub positions: Vec<Vector2<f64>>,
+    /// Lattice cell of the largest body of water \[m\]: the particles start with exactly its number density.
+    pub cell: Vector2<f64>,
     /// Side of a square of the mean cell area \[m\]; within a few per cent of the spacing asked for.
     pub effective_spacing: f64,
 }
@@ -33,7 +35,7 @@ pub fn area(polygon: &[Vector2<f64>]) -> f64 {
 /// particles stand half a spacing from its sides.
 pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error> {
     let mut positions = Vec::new();
-    let mut total_area = 0.0;
+    let (mut total_area, mut largest, mut cell) = (0.0, 0.0, Vector2::zeros());
     for (number, polygon) in water.iter().enumerate() {
         let (low, high) = crate::grid::bounding_box(polygon);
         let size = high - low;
@@ -55,6 +57,9 @@ pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error>
             }
         }
         total_area += area(polygon);
+        if area(polygon) > largest {
+            (largest, cell) = (area(polygon), step);
+        }
     }
     if positions.is_empty() {
         return Err(Error::Geometry {
@@ -64,7 +69,8 @@ pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error>
         });
     }
     let effective_spacing = (total_area / positions.len() as f64).sqrt();
-    Ok(Filling { positions, effective_spacing })
+    let scale = effective_spacing / (cell.x * cell.y).sqrt();
+    Ok(Filling { positions, cell: cell * scale, effective_spacing })
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The weight function and its lattice constants (the paper's equations 2 and 4).
 
+use nalgebra::Vector2;
+
 /// Weight w(r) = r_e / r - 1 with its constants on the full square lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kernel {
@@ -16,8 +18,10 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// Kernel of radius `ratio * spacing` on a lattice of `spacing` \[m\].
-    pub fn new(ratio: f64, spacing: f64) -> Self {
+    /// Kernel of radius `ratio` spacings on a lattice of rectangular cells `cell` \[m\]; the spacing is the side of a
+    /// square of the same area.
+    pub fn new(ratio: f64, cell: Vector2<f64>) -> Self {
+        let spacing = (cell.x * cell.y).sqrt();
         let mut kernel = Self {
             radius: ratio * spacing,
             floor: 0.05 * spacing,
@@ -25,11 +29,11 @@ impl Kernel {
             lambda: 0.0,
             reference_neighbours: 0,
         };
-        let reach = ratio.ceil() as i64;
+        let reach = (kernel.radius / cell.min()).ceil() as i64;
         let mut second_moment = 0.0;
         for ix in -reach..=reach {
             for iy in -reach..=reach {
-                let squared = ((ix * ix + iy * iy) as f64) * spacing * spacing;
+                let squared = (ix as f64 * cell.x).powi(2) + (iy as f64 * cell.y).powi(2);
                 if squared > 0.0 && squared < kernel.radius * kernel.radius {
                     let weight = kernel.weight(squared);
                     kernel.reference_density += weight;
@@ -57,7 +61,7 @@ mod tests {
     #[test]
     fn lattice_constants_by_hand() {
         // r_e = 2.1: neighbours at 1, sqrt 2, 2 spacings, four of each.
-        let kernel = Kernel::new(2.1, 0.5);
+        let kernel = Kernel::new(2.1, Vector2::new(0.5, 0.5));
         let expected = 4.0 * (1.1 + (2.1 / 2f64.sqrt() - 1.0) + 0.05);
         assert!((kernel.reference_density - expected).abs() < 1e-12);
         assert_eq!(kernel.reference_neighbours, 12);

@@ -136,12 +136,12 @@ impl Level {
                     continue;
                 }
                 let (stiffness, boundary) = (cell.stiffness(), cell.boundary());
-                for k in 0..4 {
+                for (k, line) in stiffness.iter().enumerate() {
                     let (kx, ky) = (k & 1, k >> 1);
                     let entries = &mut self.stencil[(y + ky) * width + x + kx];
-                    for m in 0..4 {
+                    for (m, value) in line.iter().enumerate() {
                         let (mx, my) = (m & 1, m >> 1);
-                        entries[(mx + 1 - kx) + 3 * (my + 1 - ky)] += scale * stiffness[k][m];
+                        entries[(mx + 1 - kx) + 3 * (my + 1 - ky)] += scale * value;
                     }
                     entries[4] += boundary[k];
                 }

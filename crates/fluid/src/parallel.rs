@@ -26,7 +26,7 @@ pub fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
 
 /// Largest of `term(i)`, or `least` when there is none larger. The maximum does not depend on the order.
 pub fn maximum(count: usize, least: f64, term: impl Fn(usize) -> f64 + Sync) -> f64 {
-    (0..count).into_par_iter().with_min_len(CHUNK).map(|i| term(i)).reduce(|| least, f64::max)
+    (0..count).into_par_iter().with_min_len(CHUNK).map(&term).reduce(|| least, f64::max)
 }
 
 /// One list per particle, stored chunk by chunk so that all chunks can be built at once and keep their memory.

@@ -58,9 +58,8 @@ pub struct PaperParameters {
     pub collision_distance: f64,
     /// Coefficient of restitution of a collision, 0 to 1.
     pub restitution: f64,
-    /// Share of n0 below which a particle may lie on the surface, 0.8 to 1.
-    pub surface_density: f64,
-    /// Distance of the neighbours' centroid in spacings above which it does, 0 to 1.
+    /// Distance of the neighbours' centroid in spacings above which a particle lies on the surface if nothing stands on
+    /// the other side, 0 to 1.
     pub surface_deviation: f64,
 }
 
@@ -118,7 +117,6 @@ impl PaperParameters {
         within("shifting", self.shifting, 0.0, 0.5)?;
         within("collision_distance", self.collision_distance, 0.0, 1.0)?;
         within("restitution", self.restitution, 0.0, 1.0)?;
-        within("surface_density", self.surface_density, 0.8, 1.0)?;
         within("surface_deviation", self.surface_deviation, 0.0, 1.0)
     }
 }

@@ -1,5 +1,6 @@
 //! What happens to particles after the pressure: correction, shifting, collisions, walls.
 
+use crate::free_surface::is_beside_surface;
 use crate::parallel;
 use crate::prepare::{Prepared, Setting};
 use crate::state::State;
@@ -31,22 +32,14 @@ pub fn correct(
 
 /// Moves interior particles away from crowds, by `shifting` spacings for a full Courant step and a one-sided crowd.
 /// Velocities stay: the shift is a small fraction of what a particle moves in the step.
-pub fn shift(
-    state: &mut State,
-    prepared: &Prepared,
-    setting: &Setting,
-    time_step: f64,
-    scratch: &mut Vec<Vector2<f64>>,
-) {
+pub fn shift(state: &mut State, prepared: &Prepared, setting: &Setting, time_step: f64, scratch: &mut [Vector2<f64>]) {
     if setting.paper.shifting == 0.0 {
         return;
     }
     let operators = prepared.operators(&setting.kernel);
-    let reference = setting.kernel.reference_density;
     let velocities = &state.velocities;
     parallel::fill(scratch, |i| {
-        let interior = prepared.densities[i].number_density > setting.paper.surface_density * reference;
-        if prepared.surface[i] || !interior {
+        if prepared.surface[i] || is_beside_surface(i, &prepared.around, &prepared.surface) {
             return Vector2::zeros();
         }
         let travel = velocities[i].norm() * time_step / (setting.paper.courant * setting.spacing);
@@ -61,7 +54,7 @@ pub fn shift(
 ///
 /// Each particle adds up the impulses of its own close neighbours; the pair's other half adds the opposite, so that
 /// momentum is kept.
-pub fn collide(state: &mut State, prepared: &Prepared, setting: &Setting, scratch: &mut Vec<Vector2<f64>>) {
+pub fn collide(state: &mut State, prepared: &Prepared, setting: &Setting, scratch: &mut [Vector2<f64>]) {
     let reach = setting.paper.collision_distance * setting.spacing;
     let strength = 0.5 * (1.0 + setting.paper.restitution);
     let (positions, velocities) = (&state.positions, &state.velocities);

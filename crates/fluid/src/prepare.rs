@@ -123,11 +123,6 @@ impl Prepared {
         true
     }
 
-    /// Forgets what is kept, for a state that is about to change.
-    pub fn forget(&mut self) {
-        self.key = None;
-    }
-
     fn place_walls(&mut self, setting: &Setting, state: &State) {
         let Some(body) = &setting.geometry.body else {
             if !self.walls_placed {
@@ -172,14 +167,20 @@ impl Prepared {
         parallel::fill(&mut densities, |i| operators.density(i));
         self.densities = densities;
         self.surface.resize(count, false);
-        let (reference, densities) = (setting.kernel.reference_density, &self.densities);
-        parallel::fill(&mut self.surface, |i| {
-            free_surface::is_surface(&densities[i], reference, setting.spacing, &setting.paper)
+        let mut surface = std::mem::take(&mut self.surface);
+        let (operators, densities) = (self.operators(&setting.kernel), &self.densities);
+        parallel::fill(&mut surface, |i| {
+            free_surface::is_surface(i, &densities[i], &operators, setting.spacing, &setting.paper)
         });
+        self.surface = surface;
         free_surface::settle_enclosed(&self.around, &mut self.surface, &mut self.reached, &mut self.queue)
     }
 
     /// The paper's equation (5), times -n0 lambda / (2 d), for every particle.
+    ///
+    /// Departure from the print: beside the surface a number density below n0 only says that the neighbourhood is cut
+    /// off there, so it counts as n0; the paper's n0 - n would pull the layers below the surface with a force that
+    /// grows as 1 / dt^2. A density above n0 counts everywhere.
     ///
     /// Gravity is uniform, so that div u* = div u; images reflect u about the wall's velocity at the start, and what
     /// the wall does during the step enters with the images' pressure.
@@ -196,7 +197,10 @@ impl Prepared {
                 return 0.0;
             }
             let divergence = operators.divergence(i, &state.velocities);
-            let lack = (reference - densities[i].number_density) / reference;
+            let mut lack = (reference - densities[i].number_density) / reference;
+            if lack > 0.0 && free_surface::is_beside_surface(i, operators.around, surface) {
+                lack = 0.0;
+            }
             scale * density * source_term(&setting.paper, divergence, lack, time_step)
         });
         self.source = source;

@@ -56,7 +56,6 @@ pub struct Workspace {
     right_side: Vec<f64>,
     solution: Vec<f64>,
     vectors: Vec<Vector2<f64>>,
-    partial: Vec<f64>,
 }
 
 impl Solver {
@@ -69,7 +68,7 @@ impl Solver {
         let Scheme::Paper(paper) = &parameters.scheme;
         let setting = Setting {
             paper: paper.clone(),
-            kernel: Kernel::new(paper.influence_radius, spacing),
+            kernel: Kernel::new(paper.influence_radius, filling.cell),
             layout: WallLayout::new(&geometry, spacing),
             spacing,
             parameters,
@@ -136,7 +135,6 @@ impl Solver {
             right_side: Vec::new(),
             solution: Vec::new(),
             vectors: Vec::new(),
-            partial: Vec::new(),
         }
     }
 
@@ -198,7 +196,7 @@ impl Solver {
         candidate.load.fill(0.0);
         let mut done = 0.0;
         while done < duration {
-            let limits = self.limits(candidate, workspace);
+            let limits = self.limits(candidate, end, duration - done)?;
             let time_step = next_step(&limits, duration - done, candidate.time_step, candidate.time)?;
             let last = time_step >= duration - done;
             done = if last { duration } else { done + time_step };
@@ -209,25 +207,41 @@ impl Solver {
             self.internal_step(candidate, time_step, time_step / duration, workspace, &mut report)?;
             candidate.time = start.time + done;
         }
-        let limits = self.limits(candidate, workspace);
+        let limits = self.limits(candidate, end, duration)?;
         report.suggested_step = limits.stable_step();
         Ok(report)
     }
 
-    fn limits(&self, state: &State, workspace: &mut Workspace) -> Limits {
-        let velocities = &state.velocities;
-        let squared = parallel::maximum(velocities.len(), 0.0, |i| velocities[i].norm_squared());
-        let mut speed = squared.sqrt();
+    /// Limits of the next internal step; the walls count with their speed now, at the end and on the way.
+    fn limits(&self, state: &State, end: &Motion, left: f64) -> Result<Limits, Error> {
+        let lonely = LONELY * self.setting.kernel.reference_density;
+        let mut speed = parallel::maximum(state.velocities.len(), 0.0, |i| {
+            let share = if state.number_densities[i] < lonely { LONELY_SPEED } else { 1.0 };
+            state.velocities[i].norm() * share
+        });
         let mut acceleration = self.setting.parameters.gravity.norm();
         if let Some(body) = &self.setting.geometry.body {
-            for ends in &self.setting.layout.panels {
-                speed = speed.max(body.velocity(ends[0], &state.motion).norm());
-                speed = speed.max(body.velocity(ends[1], &state.motion).norm());
-                acceleration = acceleration.max(body.acceleration(ends[1], &state.motion).norm());
+            for point in self.setting.layout.panels.iter().flatten() {
+                let place = body.position(*point, end);
+                self.check_inside(&place, state.time)?;
+                let travelled = (place - body.position(*point, &state.motion)).norm() / left;
+                let now = body.velocity(*point, &state.motion).norm();
+                speed = speed.max(travelled).max(now).max(body.velocity(*point, end).norm());
+                acceleration = acceleration.max(body.acceleration(*point, &state.motion).norm());
             }
         }
-        workspace.partial.clear();
-        Limits { spacing: self.setting.spacing, courant: self.setting.paper.courant, speed, acceleration }
+        Ok(Limits { spacing: self.setting.spacing, courant: self.setting.paper.courant, speed, acceleration })
+    }
+
+    fn check_inside(&self, place: &Vector2<f64>, time: f64) -> Result<(), Error> {
+        let (low, high) = self.domain;
+        for (name, value, low, high) in [("x", place.x, low.x, high.x), ("y", place.y, low.y, high.y)] {
+            if !(low..=high).contains(&value) {
+                let name = format!("motion: {name} of a point of the body's surface");
+                return Err(Error::Input { name, got: value, time, expected: format!("within {low} to {high} m") });
+            }
+        }
+        Ok(())
     }
 
     /// One internal step: prepare, solve, correct, keep in front of the walls, load.
@@ -350,6 +364,12 @@ impl Solver {
         Ok(())
     }
 }
+
+/// Share of n0 below which a particle flies on its own.
+const LONELY: f64 = 0.2;
+/// Share of its speed that such a particle counts with in the Courant number: it interacts with nothing, and needs only
+/// not to jump over walls, which see it from r_e on. A single fast drop would otherwise slow down all the water.
+const LONELY_SPEED: f64 = 0.3;
 
 fn check_finite(state: &State, before: &[Vector2<f64>]) -> Result<(), Error> {
     let fail = |field, particle: usize| {

@@ -192,26 +192,28 @@ impl Walls {
         self.segments.push(segment);
     }
 
-    /// A corner is concave when one chain ends on another and runs away from it on the other's wet side.
+    /// A corner is concave when one chain ends on another and runs away from it on the other's wet side, or when two
+    /// chains cross.
     fn find_concave_corners(&mut self) {
         self.concave.clear();
-        let near = 0.3 * self.spacing;
         for (index, chain) in self.chains.iter().enumerate() {
             let (first, last) = (&self.segments[chain.first], &self.segments[chain.last - 1]);
-            for (point, away) in [(first.start, first.tangent), (last.end(), -last.tangent)] {
-                let touches = |segment: &&Segment| {
-                    segment.chain as usize != index
-                        && segment.squared_distance(&point) < near * near
-                        && segment.normal.dot(&away) < -0.3
-                };
-                for other in self.segments.iter().filter(touches) {
-                    let pair = (other.chain.min(index as u32), other.chain.max(index as u32));
-                    if !self.concave.contains(&pair) {
-                        self.concave.push(pair);
-                    }
+            let ends = [(first.start, first.tangent), (last.end(), -last.tangent)];
+            for other in self.segments.iter().filter(|segment| segment.chain as usize != index) {
+                let touched = ends.iter().any(|(point, away)| self.ends_on(other, point, away));
+                let own = &self.segments[chain.first..chain.last];
+                let crossed = || own.iter().any(|segment| crosses(segment, other));
+                let pair = (other.chain.min(index as u32), other.chain.max(index as u32));
+                if (touched || crossed()) && !self.concave.contains(&pair) {
+                    self.concave.push(pair);
                 }
             }
         }
+    }
+
+    fn ends_on(&self, segment: &Segment, point: &Vector2<f64>, away: &Vector2<f64>) -> bool {
+        let near = 0.3 * self.spacing;
+        segment.squared_distance(point) < near * near && segment.normal.dot(away) < -0.3
     }
 
     /// Whether two chains meet in a corner with the fluid inside.
@@ -288,6 +290,11 @@ impl Walls {
         let fraction = ((arc - run[index].arc) / run[index].length).clamp(0.0, 1.0);
         ((chain.first + index) as u32, fraction)
     }
+}
+
+/// Whether two segments cross each other.
+fn crosses(a: &Segment, b: &Segment) -> bool {
+    a.is_crossed(&b.start, &b.end()) && b.is_crossed(&a.start, &a.end())
 }
 
 /// Which segments may be near a place.

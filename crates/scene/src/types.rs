@@ -150,9 +150,8 @@ pub struct Paper {
     pub collision_distance: f64,
     /// Coefficient of restitution of such a collision (0 to 1).
     pub restitution: f64,
-    /// A particle with less than this share of n0 may be a surface particle (0.8 to 1).
-    pub surface_density: f64,
-    /// and is one when its neighbours' centroid is farther than this, in spacings (0 to 1).
+    /// A particle whose neighbours' centroid is farther than this, in spacings (0 to 1), lies on the surface if nothing
+    /// stands on the other side.
     pub surface_deviation: f64,
 }
 
@@ -167,7 +166,6 @@ impl Default for Paper {
             tension: false,
             collision_distance: 0.85,
             restitution: 0.2,
-            surface_density: 0.97,
             surface_deviation: 0.2,
         }
     }

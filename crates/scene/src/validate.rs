@@ -72,7 +72,6 @@ fn validate_fluid(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
     check.within("fluid.paper.shifting", paper.shifting, 0.0, 0.5)?;
     check.within("fluid.paper.collision_distance", paper.collision_distance, 0.0, 1.0)?;
     check.within("fluid.paper.restitution", paper.restitution, 0.0, 1.0)?;
-    check.within("fluid.paper.surface_density", paper.surface_density, 0.8, 1.0)?;
     check.within("fluid.paper.surface_deviation", paper.surface_deviation, 0.0, 1.0)?;
     check.within("fluid.solve.tolerance", fluid.solve.tolerance, 0.0, 0.1)?;
     check.within("fluid.solve.maximum_iterations", fluid.solve.maximum_iterations as f64, 1.0, 1e6)?;

@@ -1,0 +1,66 @@
+//! Small scenes that the tests share.
+#![allow(dead_code, reason = "every test file uses a part of it")]
+
+use fluid::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters, Source};
+use kinematics::{Beam, BeamModes, Body, Support};
+use nalgebra::Vector2;
+
+pub fn points(list: &[(f64, f64)]) -> Vec<Vector2<f64>> {
+    list.iter().map(|&(x, y)| Vector2::new(x, y)).collect()
+}
+
+pub fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Vector2<f64>> {
+    points(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+}
+
+pub fn paper() -> PaperParameters {
+    PaperParameters {
+        influence_radius: 3.1,
+        alpha: 0.01,
+        source: Source::Mixed,
+        courant: 0.2,
+        shifting: 0.03,
+        tension: false,
+        collision_distance: 0.85,
+        restitution: 0.2,
+        surface_deviation: 0.2,
+    }
+}
+
+pub fn parameters(spacing: f64, tolerance: f64, threads: usize) -> Parameters {
+    Parameters {
+        density: 1000.0,
+        gravity: Vector2::new(0.0, -9.81),
+        spacing,
+        scheme: Scheme::Paper(paper()),
+        solve: SolveParameters { tolerance, maximum_iterations: 500 },
+        threads,
+    }
+}
+
+/// An open tank from x = 0 to `width`.
+pub fn tank(width: f64, height: f64) -> Vec<Vector2<f64>> {
+    points(&[(0.0, height), (0.0, 0.0), (width, 0.0), (width, height)])
+}
+
+/// A clamped-free plate standing on the floor with its middle line at `x`.
+pub fn plate(x: f64, length: f64, thickness: f64, modes: usize) -> Body {
+    let modes = BeamModes::new(Support::ClampedFree, length, 2500.0 * thickness, modes).unwrap();
+    Body {
+        origin: Vector2::zeros(),
+        angle: 0.0,
+        walls: Vec::new(),
+        beam: Some(Beam { middle: Vector2::new(x, 0.5 * length), thickness, modes }),
+    }
+}
+
+/// The column and plate of the dam break on an elastic plate.
+pub fn dam_break_plate() -> Geometry {
+    Geometry {
+        water: vec![rectangle(0.0, 0.0, 0.146, 0.292)],
+        fixed_walls: vec![tank(0.584, 0.8)],
+        body: Some(plate(0.292, 0.08, 0.012, 2)),
+        probes: vec![Vector2::new(0.285, 0.01)],
+        regions: Vec::new(),
+    }
+}
