@@ -119,8 +119,9 @@ impl Run {
             }
             let start = Instant::now();
             let iterations = &mut self.iterations;
-            let report = self.stepper.advance(&mut self.system, &mut |row| iterations.write(row))?;
+            let result = self.stepper.advance(&mut self.system, &mut |row| iterations.write(row));
             self.stages.advancing += start.elapsed().as_secs_f64();
+            let report = result?;
             self.counts.add(&report);
             self.record()?;
             progress.update(self.stepper.clock().time(), self.counts.mean());
