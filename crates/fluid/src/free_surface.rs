@@ -5,7 +5,7 @@ use crate::operators::{Density, Operators};
 use crate::parameters::PaperParameters;
 
 /// How far a particle looks for something above it, in spacings: beyond, a gap counts as air.
-const REACH: f64 = 1.8;
+pub const REACH: f64 = 1.8;
 /// Cosine of the half-angle of the cone in which it looks.
 const CONE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
@@ -48,9 +48,13 @@ const SMALLEST_ENCLOSED: usize = 50;
 
 /// Finds unknowns that hang together with no surface particle. A few become surface themselves; the return value says
 /// whether many remain, whose pressure is then determined only up to a constant.
+///
+/// Only links of at least `strong` weight count: a group tied to the surface by a pair almost an effective radius apart
+/// has a matrix so nearly singular that its pressure, and with it a load, is noise.
 pub fn settle_enclosed(
     around: &Neighbourhood,
     surface: &mut [bool],
+    strong: f64,
     reached: &mut Vec<bool>,
     queue: &mut Vec<u32>,
 ) -> bool {
@@ -61,7 +65,7 @@ pub fn settle_enclosed(
     while let Some(i) = queue.pop() {
         for neighbour in around.neighbours.of(i as usize) {
             let j = neighbour.index as usize;
-            if !reached[j] {
+            if !reached[j] && neighbour.weight >= strong {
                 reached[j] = true;
                 queue.push(neighbour.index);
             }

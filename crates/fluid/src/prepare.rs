@@ -38,6 +38,17 @@ impl Setting {
     }
 }
 
+/// How fast an internal step goes.
+#[derive(Debug, Clone, Copy)]
+pub struct Pace {
+    /// Length of the step \[s\].
+    pub time_step: f64,
+    /// Length that stability would allow \[s\].
+    pub stable_step: f64,
+    /// Share of the communication step.
+    pub share: f64,
+}
+
 /// Everything prepared for one internal step, and the scratch it needs.
 #[derive(Debug, Clone)]
 pub struct Prepared {
@@ -98,8 +109,9 @@ impl Prepared {
     }
 
     /// Prepares the step from `state`; returns false when the workspace held it already.
-    pub fn update(&mut self, setting: &Setting, state: &State, time_step: f64, stages: &mut StageTimes) -> bool {
+    pub fn update(&mut self, setting: &Setting, state: &State, pace: Pace, stages: &mut StageTimes) -> bool {
         let mut watch = Watch::start();
+        let time_step = pace.time_step;
         let key = Some((state.fingerprint(), time_step.to_bits()));
         if self.key == key {
             return false;
@@ -111,7 +123,7 @@ impl Prepared {
         self.around.build(&self.positions, &self.attachments, &self.walls, &setting.kernel);
         watch.lap(&mut stages.neighbours);
         let enclosed = self.classify(setting);
-        self.build_source(setting, state, time_step);
+        self.build_source(setting, state, pace);
         self.matrix.assemble(&self.around, &self.surface, enclosed);
         let mut points = std::mem::take(&mut self.points);
         self.matrix.gather_positions(&self.positions, &mut points);
@@ -173,7 +185,8 @@ impl Prepared {
             free_surface::is_surface(i, &densities[i], &operators, setting.spacing, &setting.paper)
         });
         self.surface = surface;
-        free_surface::settle_enclosed(&self.around, &mut self.surface, &mut self.reached, &mut self.queue)
+        let strong = setting.kernel.weight((free_surface::REACH * setting.spacing).powi(2));
+        free_surface::settle_enclosed(&self.around, &mut self.surface, strong, &mut self.reached, &mut self.queue)
     }
 
     /// The paper's equation (5), times -n0 lambda / (2 d), for every particle.
@@ -184,7 +197,7 @@ impl Prepared {
     ///
     /// Gravity is uniform, so that div u* = div u; images reflect u about the wall's velocity at the start, and what
     /// the wall does during the step enters with the images' pressure.
-    fn build_source(&mut self, setting: &Setting, state: &State, time_step: f64) {
+    fn build_source(&mut self, setting: &Setting, state: &State, pace: Pace) {
         let mut source = std::mem::take(&mut self.source);
         source.resize(self.positions.len(), 0.0);
         let operators = self.operators(&setting.kernel);
@@ -201,7 +214,7 @@ impl Prepared {
             if lack > 0.0 && free_surface::is_beside_surface(i, operators.around, surface) {
                 lack = 0.0;
             }
-            scale * density * source_term(&setting.paper, divergence, lack, time_step)
+            scale * density * source_term(&setting.paper, divergence, lack, pace)
         });
         self.source = source;
     }
@@ -225,7 +238,14 @@ impl Prepared {
 /// `lack` is (n0 - n) / n0. Mixed: the paper's equation (5), with n at the predicted positions; the difference to the
 /// printed n^k is alpha times the divergence already present. Adaptive: Sun et al. (2015), with the density error
 /// clipped at two per cent.
-fn source_term(paper: &PaperParameters, divergence: f64, lack: f64, time_step: f64) -> f64 {
+///
+/// A step shorter than stability demands removes a smaller share of the density error, in proportion: the time in which
+/// the error decays, dt / alpha, then stays that of the stable step. With the printed constant alpha a master that
+/// shortens its step would be answered with pressures that grow as 1 / dt^2.
+fn source_term(paper: &PaperParameters, divergence: f64, lack: f64, pace: Pace) -> f64 {
+    let time_step = pace.time_step;
+    let slowing = (time_step / pace.stable_step).min(1.0);
+    let lack = lack * slowing;
     match paper.source {
         Source::Mixed => (1.0 - paper.alpha) * divergence / time_step + paper.alpha * lack / (time_step * time_step),
         Source::Adaptive => {

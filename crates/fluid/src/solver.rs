@@ -12,7 +12,7 @@ use crate::observe::{self, Observables};
 use crate::parallel;
 use crate::parameters::{Geometry, Parameters, Scheme};
 use crate::particles;
-use crate::prepare::{Prepared, Setting};
+use crate::prepare::{Pace, Prepared, Setting};
 use crate::pressure::ConjugateGradient;
 use crate::report::{Report, Watch};
 use crate::schedule::{Limits, next_step};
@@ -196,7 +196,8 @@ impl Solver {
         candidate.load.fill(0.0);
         let mut done = 0.0;
         while done < duration {
-            let limits = self.limits(candidate, end, duration - done)?;
+            let now = self.limits_now(candidate);
+            let limits = self.limits_towards(now, candidate, end, duration - done)?;
             let time_step = next_step(&limits, duration - done, candidate.time_step, candidate.time)?;
             let last = time_step >= duration - done;
             done = if last { duration } else { done + time_step };
@@ -204,16 +205,16 @@ impl Solver {
             target.clone_from(end);
             interpolate(&start.motion, end, duration, done / duration, &mut target);
             workspace.target = target;
-            self.internal_step(candidate, time_step, time_step / duration, workspace, &mut report)?;
+            let pace = Pace { time_step, stable_step: now.stable_step(), share: time_step / duration };
+            self.internal_step(candidate, pace, workspace, &mut report)?;
             candidate.time = start.time + done;
         }
-        let limits = self.limits(candidate, end, duration)?;
-        report.suggested_step = limits.stable_step();
+        report.suggested_step = SUGGESTED_SHARE * self.limits_now(candidate).stable_step();
         Ok(report)
     }
 
-    /// Limits of the next internal step; the walls count with their speed now, at the end and on the way.
-    fn limits(&self, state: &State, end: &Motion, left: f64) -> Result<Limits, Error> {
+    /// Limits of the next internal step from the state alone.
+    fn limits_now(&self, state: &State) -> Limits {
         let lonely = LONELY * self.setting.kernel.reference_density;
         let mut speed = parallel::maximum(state.velocities.len(), 0.0, |i| {
             let share = if state.number_densities[i] < lonely { LONELY_SPEED } else { 1.0 };
@@ -222,15 +223,24 @@ impl Solver {
         let mut acceleration = self.setting.parameters.gravity.norm();
         if let Some(body) = &self.setting.geometry.body {
             for point in self.setting.layout.panels.iter().flatten() {
-                let place = body.position(*point, end);
-                self.check_inside(&place, state.time)?;
-                let travelled = (place - body.position(*point, &state.motion)).norm() / left;
-                let now = body.velocity(*point, &state.motion).norm();
-                speed = speed.max(travelled).max(now).max(body.velocity(*point, end).norm());
+                speed = speed.max(body.velocity(*point, &state.motion).norm());
                 acceleration = acceleration.max(body.acceleration(*point, &state.motion).norm());
             }
         }
-        Ok(Limits { spacing: self.setting.spacing, courant: self.setting.paper.courant, speed, acceleration })
+        Limits { spacing: self.setting.spacing, courant: self.setting.paper.courant, speed, acceleration }
+    }
+
+    /// The same limits with the speed of the walls on the way to `end` and there.
+    fn limits_towards(&self, mut limits: Limits, state: &State, end: &Motion, left: f64) -> Result<Limits, Error> {
+        if let Some(body) = &self.setting.geometry.body {
+            for point in self.setting.layout.panels.iter().flatten() {
+                let place = body.position(*point, end);
+                self.check_inside(&place, state.time)?;
+                let travelled = (place - body.position(*point, &state.motion)).norm() / left;
+                limits.speed = limits.speed.max(travelled).max(body.velocity(*point, end).norm());
+            }
+        }
+        Ok(limits)
     }
 
     fn check_inside(&self, place: &Vector2<f64>, time: f64) -> Result<(), Error> {
@@ -248,13 +258,13 @@ impl Solver {
     fn internal_step(
         &self,
         state: &mut State,
-        time_step: f64,
-        share: f64,
+        pace: Pace,
         workspace: &mut Workspace,
         report: &mut Report,
     ) -> Result<(), Error> {
         let setting = &self.setting;
-        let fresh = workspace.prepared.update(setting, state, time_step, &mut report.stages);
+        let time_step = pace.time_step;
+        let fresh = workspace.prepared.update(setting, state, pace, &mut report.stages);
         report.reused += usize::from(!fresh);
         self.set_wall_acceleration(time_step, workspace);
         self.solve_pressure(state, workspace, report)?;
@@ -264,7 +274,7 @@ impl Solver {
         particles::collide(state, &workspace.prepared, setting, &mut workspace.vectors);
         report.contacts += self.keep_in_front(state, workspace);
         watch.lap(&mut report.stages.gradient);
-        self.add_load(state, share, workspace);
+        self.add_load(state, pace.share, workspace);
         self.finish(state, time_step, workspace)?;
         report.substeps += 1;
         report.unknowns = workspace.prepared.matrix.size();
@@ -365,6 +375,9 @@ impl Solver {
     }
 }
 
+/// Share of the stable step that is suggested to a master, so that the next step needs no division although the flow
+/// gets faster meanwhile: only a step without division has a load that is exactly affine in the motion.
+const SUGGESTED_SHARE: f64 = 0.8;
 /// Share of n0 below which a particle flies on its own.
 const LONELY: f64 = 0.2;
 /// Share of its speed that such a particle counts with in the Courant number: it interacts with nothing, and needs only

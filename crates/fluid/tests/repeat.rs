@@ -1,4 +1,5 @@
 //! A step is a function of state, motion and duration: same bits for threads, repeats and fresh scratch.
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod common;
 

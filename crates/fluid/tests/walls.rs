@@ -53,11 +53,11 @@ fn hydrostatic_slope_is_exact_and_level_of_first_order() {
     for (position, pressure) in state.positions.iter().zip(&state.pressures) {
         if position.y < 0.4 {
             let exact = floor - 9810.0 * position.y;
-            assert!((pressure - exact).abs() < 1e-6 * 4905.0, "p = {pressure} at {position:?}, exact {exact}");
+            assert!((pressure - exact).abs() < 1e-5 * 4905.0, "p = {pressure} at {position:?}, exact {exact}");
         }
     }
     let force = solver.observe(&state).wall_force;
-    assert!((force.y / floor + 1.0).abs() < 1e-6 && force.x.abs() < 1e-3, "{force:?}");
+    assert!((force.y / floor + 1.0).abs() < 1e-5 && force.x.abs() < 1e-3, "{force:?}");
 }
 
 /// A wall that is pushed into water 1 m deep: force per acceleration 0.5427 rho H^2 (Westergaard 1933).

@@ -1,5 +1,6 @@
 //! Small scenes that the tests share.
 #![allow(dead_code, reason = "every test file uses a part of it")]
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use fluid::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters, Source};
 use kinematics::{Beam, BeamModes, Body, Support};
