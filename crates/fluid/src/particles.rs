@@ -102,7 +102,9 @@ pub fn stop_at_walls(
                 continue;
             };
             let (distance, along) = segment.local(&state.positions[i]);
-            if distance >= reach || !(-least..=segment.length + least).contains(&along) {
+            let farthest = -(0.5 * chain.depth).min(setting.spacing);
+            let beside = (0.0..=chain.length).contains(&(segment.arc + along));
+            if distance >= reach || distance < farthest || !beside {
                 continue;
             }
             contacts += 1;

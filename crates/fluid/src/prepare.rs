@@ -162,7 +162,8 @@ impl Prepared {
         }
         let attachments = &self.attachments;
         let stop = |i: usize, position: Vector2<f64>| {
-            let near = attachments.of(i).iter().filter(|entry| entry.distance < least);
+            let touches = |entry: &&Attachment| entry.distance < least && walls.is_beside(entry);
+            let near = attachments.of(i).iter().filter(touches);
             near.fold(position, |place, entry| place - entry.normal * (least - entry.distance))
         };
         for (i, position) in positions.iter_mut().enumerate() {

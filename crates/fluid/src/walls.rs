@@ -281,6 +281,11 @@ impl Walls {
         })
     }
 
+    /// Whether a particle stands beside its chain, not beyond one of its ends.
+    pub fn is_beside(&self, entry: &Attachment) -> bool {
+        (0.0..=self.chains[entry.chain as usize].length).contains(&entry.arc)
+    }
+
     /// Segment of a chain at an arc length, and the fraction of its length.
     pub fn locate(&self, chain: u32, arc: f64) -> (u32, f64) {
         let chain = &self.chains[chain as usize];
