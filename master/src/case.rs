@@ -29,6 +29,9 @@ pub struct Case {
     /// How the FMUs are coupled.
     #[serde(default)]
     pub coupling: Coupling,
+    /// A real output, `fmu.variable`, that tells the longest useful next step \[s\]: steps are halved to stay below it.
+    #[serde(default)]
+    pub step_limit: Option<String>,
     /// Outputs left out of the results, `fmu.variable`.
     #[serde(default)]
     pub exclude: Vec<String>,
@@ -156,6 +159,9 @@ impl Case {
                 return refuse(&format!("fmu.{index}.name"), format!("'{}'", fmu.name), "a name that is used once");
             }
         }
+        if let Some(limit) = self.step_limit.as_ref().filter(|limit| !limit.contains('.')) {
+            return refuse("step_limit", format!("'{limit}'"), "fmu.variable");
+        }
         let coupling = &self.coupling;
         if !(coupling.relaxation > 0.0 && coupling.relaxation <= 1.0) {
             return refuse("coupling.relaxation", coupling.relaxation.to_string(), "more than 0, at most 1");
@@ -173,6 +179,12 @@ impl Case {
             got,
             expected: "fmu.variable".to_string(),
         })
+    }
+
+    /// FMU and variable of the step limit.
+    pub fn step_limit(&self) -> Option<(String, String)> {
+        let (fmu, variable) = self.step_limit.as_ref()?.split_once('.')?;
+        Some((fmu.to_string(), variable.to_string()))
     }
 
     /// The connections split into FMU and variable; the error holds key and value of one without a dot.

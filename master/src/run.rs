@@ -91,7 +91,8 @@ pub fn run(
     let results =
         ResultWriter::create(&folder.join("results.csv"), &system, &case.exclude, case.output.record_interval)?;
     let (counts, stages) = (IterationCounts::default(), Stages::default());
-    let mut run = Run { system, stepper, iterations, results, counts, stages };
+    let step_limit = case.step_limit();
+    let mut run = Run { system, stepper, step_limit, iterations, results, counts, stages };
     let result = run.steps(interrupted, progress);
     let (status, error) = match result {
         Ok(status) => (status, None),
@@ -103,6 +104,8 @@ pub fn run(
 struct Run {
     system: System,
     stepper: Stepper,
+    /// Participant and variable that tell the longest useful step.
+    step_limit: Option<(String, String)>,
     iterations: IterationWriter,
     results: ResultWriter,
     counts: IterationCounts,
@@ -118,6 +121,9 @@ impl Run {
                 return Ok(Status::Interrupted);
             }
             let start = Instant::now();
+            if let Some((participant, variable)) = &self.step_limit {
+                self.stepper.limit(self.system.read(participant, variable)?);
+            }
             let iterations = &mut self.iterations;
             let result = self.stepper.advance(&mut self.system, &mut |row| iterations.write(row));
             self.stages.advancing += start.elapsed().as_secs_f64();

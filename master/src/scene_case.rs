@@ -43,6 +43,8 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
         fmus.push(fluid);
     }
     let connection = if fmus.len() == 2 { connections(&freedoms) } else { Vec::new() };
+    // With one internal step of the fluid per step, its load is affine in the motion and iterations converge fast.
+    let step_limit = (!connection.is_empty()).then(|| format!("{FLUID}.time_step.suggested"));
     Case {
         title: scene.title.clone(),
         run: scene.run.clone(),
@@ -51,6 +53,7 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
         fmu: fmus,
         connection,
         coupling: scene.coupling.clone(),
+        step_limit,
         exclude: excluded(scene, &freedoms),
         labels: labels(scene),
         check: scene.check.clone(),

@@ -27,14 +27,18 @@ impl Limits {
 
 /// The next internal step \[s\], given the time left and the last step (0 for none).
 ///
-/// The source term of the pressure contains 1/dt and 1/dt^2, and jumps of dt make it ring: a step grows by at most a
-/// tenth, and the time left is cut into equal parts.
+/// The source term of the pressure contains 1/dt, and jumps of dt make it ring: where there is a choice, a step grows by
+/// at most a tenth, and the time left is cut into equal parts. A master that asks for no more than a stable step gets it
+/// in one piece, even after a much shorter one: only then is the load affine in the motion.
 pub fn next_step(limits: &Limits, left: f64, last: f64, time: f64) -> Result<f64, Error> {
     let stable = limits.stable_step();
     let wanted = if last > 0.0 { stable.min(1.1 * last) } else { stable };
     let floor = 1e-6 * 0.25 * (limits.spacing / limits.acceleration.max(1e-12)).sqrt();
     if stable < floor || !stable.is_finite() {
         return Err(Error::TimeStep { step: stable, floor, time, speed: limits.speed, spacing: limits.spacing });
+    }
+    if left <= stable {
+        return Ok(left);
     }
     let parts = (left / wanted - 1e-9).ceil().max(1.0);
     Ok(left / parts)

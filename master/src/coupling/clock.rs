@@ -14,6 +14,8 @@ pub struct Clock {
     tick: u64,
     level: u32,
     streak: u32,
+    /// Longest step wanted \[s\].
+    longest: f64,
 }
 
 impl Clock {
@@ -22,7 +24,7 @@ impl Clock {
     pub fn new(start: f64, end: f64, step: f64, smallest: f64) -> Self {
         let steps = steps_between(start, end, step);
         let finest = (step / smallest).max(1.0).log2().floor().min(30.0) as u32;
-        Self { start, step, steps, finest, tick: 0, level: 0, streak: 0 }
+        Self { start, step, steps, finest, tick: 0, level: 0, streak: 0, longest: f64::INFINITY }
     }
 
     /// Current time \[s\].
@@ -57,8 +59,18 @@ impl Clock {
         self.tick += 1 << (self.finest - self.level);
         self.streak += 1;
         let coarser = 1_u64 << (self.finest + 1 - self.level.max(1));
-        if self.level > 0 && self.streak >= STEPS_BEFORE_GROWTH && self.tick.is_multiple_of(coarser) {
+        let wanted = 2.0 * self.duration() <= self.longest;
+        if self.level > 0 && wanted && self.streak >= STEPS_BEFORE_GROWTH && self.tick.is_multiple_of(coarser) {
             self.level -= 1;
+            self.streak = 0;
+        }
+    }
+
+    /// Halves the next steps until they are no longer than `longest` \[s\], or the smallest allowed.
+    pub fn limit(&mut self, longest: f64) {
+        self.longest = longest;
+        while self.duration() > longest && self.level < self.finest {
+            self.level += 1;
             self.streak = 0;
         }
     }
@@ -105,6 +117,21 @@ mod tests {
         }
         assert_eq!(durations, [0.25, 0.25, 0.25, 0.25, 0.5, 0.5, 0.5, 0.5, 1.0]);
         assert_eq!(clock.time(), 4.0);
+    }
+
+    #[test]
+    fn a_limit_shortens_steps_and_lets_them_grow_again() {
+        let mut clock = Clock::new(0.0, 4.0, 1.0, 0.25);
+        clock.limit(0.6);
+        assert_eq!(clock.duration(), 0.5);
+        (0..6).for_each(|_| clock.advance());
+        assert_eq!((clock.duration(), clock.time()), (0.5, 3.0));
+        clock.limit(1.1);
+        clock.advance();
+        clock.advance();
+        assert_eq!((clock.duration(), clock.time()), (1.0, 4.0));
+        clock.limit(1e-9);
+        assert_eq!(clock.duration(), 0.25, "never below the smallest");
     }
 
     #[test]

@@ -99,6 +99,11 @@ impl Stepper {
         &self.clock
     }
 
+    /// Keeps the next steps no longer than `longest` \[s\], as far as the smallest step allows.
+    pub fn limit(&mut self, longest: f64) {
+        self.clock.limit(longest);
+    }
+
     /// Makes one accepted step, which may be shorter than the communication step. Iterations are handed to `record`
     /// as they happen.
     pub fn advance(&mut self, system: &mut System, record: &mut dyn FnMut(&IterationRow)) -> Result<StepReport, Error> {

@@ -128,6 +128,20 @@ impl System {
         self.iterated.iter().map(|(node, place)| self.nodes[*node].values[*place]).collect()
     }
 
+    /// A real variable of a participant, both by name.
+    pub fn read(&mut self, participant: &str, variable: &str) -> Result<f64, Error> {
+        let unknown = || crate::participant::Error::UnknownVariable {
+            participant: participant.to_string(),
+            variable: variable.to_string(),
+            hint: "; no participant has that name".to_string(),
+        };
+        let found = self.nodes.iter_mut().find(|node| node.participant.name() == participant).ok_or_else(unknown)?;
+        let variable = found.participant.description().variable(participant, variable)?.clone();
+        let mut value = [0.0];
+        found.participant.get_reals(&[variable.reference], &mut value)?;
+        Ok(value[0])
+    }
+
     /// The participants in their order.
     pub fn participants(&mut self) -> impl Iterator<Item = &mut Box<dyn Participant>> {
         self.nodes.iter_mut().map(|node| &mut node.participant)

@@ -92,7 +92,7 @@ impl Chart {
         if self.curves.len() > 1 || self.band.is_some() {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperLeft)
+                .position(SeriesLabelPosition::UpperRight)
                 .background_style(WHITE.mix(0.85))
                 .border_style(RGBColor(200, 200, 200))
                 .label_font((FAMILY, 14))
