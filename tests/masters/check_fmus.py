@@ -18,13 +18,13 @@ from fmpy.validation import validate_fmu
 
 GRAVITY = 9.81
 FAILURES = []
+PASSED = []
 
 
 def check(name, passed, detail):
     """Prints one line and remembers a failure."""
     print(f"{'ok  ' if passed else 'FAIL'} {name}: {detail}")
-    if not passed:
-        FAILURES.append(name)
+    (PASSED if passed else FAILURES).append(name)
 
 
 def simulate(fmu, stop, step, start_values, output, signals=None, messages=None):
@@ -158,7 +158,7 @@ def main():
     check_front(fluid)
     check_held_plate(fluid)
     check_refusal(fluid)
-    print(f"{len(FAILURES)} failed" if FAILURES else "all passed")
+    print(f"{len(PASSED)} passed, {len(FAILURES)} failed")
     sys.exit(1 if FAILURES else 0)
 
 
