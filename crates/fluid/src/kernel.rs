@@ -7,8 +7,8 @@ use nalgebra::Vector2;
 pub struct Kernel {
     /// Effective radius r_e \[m\].
     pub radius: f64,
-    /// Distance below which the weight grows no further \[m\]: it keeps coincident particles finite.
-    floor: f64,
+    /// Distance below which the weight grows no further \[m\], 0.3 spacings: a pair that got so close parts gently.
+    pub floor: f64,
     /// Number density n0 of the lattice, the sum of w.
     pub reference_density: f64,
     /// lambda = sum w r^2 / sum w on the lattice \[m2\].
@@ -24,7 +24,7 @@ impl Kernel {
         let spacing = (cell.x * cell.y).sqrt();
         let mut kernel = Self {
             radius: ratio * spacing,
-            floor: 0.05 * spacing,
+            floor: 0.3 * spacing,
             reference_density: 0.0,
             lambda: 0.0,
             reference_neighbours: 0,

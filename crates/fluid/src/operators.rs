@@ -58,12 +58,12 @@ impl Operators<'_> {
             let j = neighbour.index as usize;
             let vector = self.positions[j] - self.positions[i];
             sum += neighbour.weight * vector.dot(&(velocities[j] - velocities[i]))
-                / vector.norm_squared().max(self.tiny());
+                / vector.norm_squared().max(self.least());
         }
         for image in self.around.images.of(i) {
             let mirrored = image.velocity(&velocities[image.neighbour as usize], self.panels);
             sum += image.weight * image.vector.dot(&(mirrored - velocities[i]))
-                / image.vector.norm_squared().max(self.tiny());
+                / image.vector.norm_squared().max(self.least());
         }
         DIMENSIONS / self.kernel.reference_density * sum
     }
@@ -91,11 +91,11 @@ impl Operators<'_> {
         for neighbour in neighbours {
             let j = neighbour.index as usize;
             let vector = self.positions[j] - self.positions[i];
-            sum += vector * ((pressure(j) - least) * neighbour.weight / vector.norm_squared().max(self.tiny()));
+            sum += vector * ((pressure(j) - least) * neighbour.weight / vector.norm_squared().max(self.least()));
         }
         for image in images {
             let difference = pressure(image.neighbour as usize) + rise(image) - least;
-            sum += image.vector * (difference * image.weight / image.vector.norm_squared().max(self.tiny()));
+            sum += image.vector * (difference * image.weight / image.vector.norm_squared().max(self.least()));
         }
         sum * (DIMENSIONS / self.kernel.reference_density)
     }
@@ -105,16 +105,16 @@ impl Operators<'_> {
         let mut sum = Vector2::zeros();
         for neighbour in self.around.neighbours.of(i) {
             let vector = self.positions[neighbour.index as usize] - self.positions[i];
-            sum += vector * (neighbour.weight / vector.norm().max(self.tiny()));
+            sum += vector * (neighbour.weight / vector.norm().max(self.kernel.floor));
         }
         for image in self.around.images.of(i) {
-            sum += image.vector * (image.weight / image.vector.norm().max(self.tiny()));
+            sum += image.vector * (image.weight / image.vector.norm().max(self.kernel.floor));
         }
         sum / self.kernel.reference_density
     }
 
-    /// Keeps divisions finite for particles that coincide; far below any distance that matters.
-    fn tiny(&self) -> f64 {
-        1e-8 * self.kernel.radius * self.kernel.radius
+    /// Smallest squared distance that counts, where the weight stops growing too \[m2\].
+    fn least(&self) -> f64 {
+        self.kernel.floor * self.kernel.floor
     }
 }

@@ -79,6 +79,29 @@ pub fn collide(state: &mut State, prepared: &Prepared, setting: &Setting, scratc
     }
 }
 
+/// Moves pairs apart that are nearer than 0.6 spacings, by a tenth of what is missing, half each.
+///
+/// Surface particles have p = 0 and nothing else keeps them apart: two that drift together end as one of double weight,
+/// which then passes for full water and is thrown out. Velocities stay.
+pub fn separate(state: &mut State, prepared: &Prepared, setting: &Setting, scratch: &mut [Vector2<f64>]) {
+    let reach = 0.6 * setting.spacing;
+    let positions = &state.positions;
+    parallel::fill(scratch, |i| {
+        let mut change = Vector2::zeros();
+        for neighbour in prepared.around.neighbours.of(i) {
+            let between = positions[neighbour.index as usize] - positions[i];
+            let distance = between.norm();
+            if distance < reach && distance > 0.0 {
+                change -= between * (0.05 * (reach - distance) / distance);
+            }
+        }
+        change
+    });
+    for (position, change) in state.positions.iter_mut().zip(scratch.iter()) {
+        *position += change;
+    }
+}
+
 /// Keeps particles in front of the walls where these stand at the end of the step; returns the number of contacts.
 ///
 /// A particle nearer than half the collision distance (so that its image is a colliding neighbour) loses its

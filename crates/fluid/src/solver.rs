@@ -29,7 +29,7 @@ use nalgebra::Vector2;
 /// 3. find neighbours and mirror images at r*, number density n, free surface;
 /// 4. solve lap p = (1 - alpha) rho div u* / dt + alpha rho (n0 - n) / (n0 dt^2) with p = 0 on the surface and
 ///    dp/dn = rho (g - a_w).n at walls;
-/// 5. correct u = u* - dt grad p / rho and r with it; shift; collide; stop at walls;
+/// 5. correct u = u* - dt grad p / rho and r with it; shift; collide; part close pairs; stop at walls;
 /// 6. integrate the wall pressure to the load.
 ///
 /// Source: Koshizuka and Oka (1996); the mixed source term Tanaka and Masunaga (2010); the paper's equations (1)-(5).
@@ -272,6 +272,7 @@ impl Solver {
         particles::correct(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
         particles::shift(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
         particles::collide(state, &workspace.prepared, setting, &mut workspace.vectors);
+        particles::separate(state, &workspace.prepared, setting, &mut workspace.vectors);
         report.contacts += self.keep_in_front(state, workspace);
         watch.lap(&mut report.stages.gradient);
         self.add_load(state, pace.share, workspace);
