@@ -4,7 +4,6 @@ use scene::{Check, Coupling, Output, Run};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// A case, from a file or made from a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -69,59 +68,14 @@ pub struct Connection {
     pub tolerance_absolute: Option<f64>,
 }
 
-/// A case file that cannot be used, with the place and the remedy.
-#[derive(Debug, Error)]
-pub enum Error {
-    /// The file cannot be read.
-    #[error("cannot read {path}: {reason}")]
-    Read {
-        /// Path as given.
-        path: String,
-        /// What the operating system said.
-        reason: String,
-    },
-    /// The text is not a case.
-    #[error("{name}, line {line}: {message}{hint}")]
-    Parse {
-        /// File name.
-        name: String,
-        /// Line counted from one.
-        line: usize,
-        /// What the parser said.
-        message: String,
-        /// The nearest known key, if there is one.
-        hint: String,
-    },
-    /// An override that does not fit the file.
-    #[error("override '{text}': {reason}")]
-    Override {
-        /// The override as given.
-        text: String,
-        /// Why it cannot be applied.
-        reason: String,
-    },
-    /// A value that is not allowed.
-    #[error("{name}: {key} = {got}: expected {expected}")]
-    Range {
-        /// File name.
-        name: String,
-        /// Key path of the value.
-        key: String,
-        /// Value found.
-        got: String,
-        /// What would be right.
-        expected: String,
-    },
-}
+/// A case file that cannot be used: as with a scene, for both are made of the same tables.
+pub use scene::Error;
 
 impl Case {
     /// Reads a case file, applies overrides (key path, TOML value) and validates. Paths of FMUs become relative to
     /// the working directory.
     pub fn from_file(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| Error::Read { path: path.display().to_string(), reason: error.to_string() })?;
-        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let mut case = Self::from_text(&text, &name, overrides)?;
+        let mut case = Self::from_text(&scene::read_text(path)?, &scene::file_name(path), overrides)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         case.fmu.iter_mut().for_each(|fmu| fmu.path = folder.join(&fmu.path));
         Ok(case)
@@ -129,10 +83,7 @@ impl Case {
 
     /// Parses and validates the text of a case called `name`, with overrides (key path, TOML value).
     pub fn from_text(text: &str, name: &str, overrides: &[(String, String)]) -> Result<Self, Error> {
-        let mut case: Self = toml::from_str(text).map_err(|error| parse_error(name, text, &error))?;
-        if !overrides.is_empty() {
-            case = with_overrides(text, name, overrides)?;
-        }
+        let case: Self = scene::from_toml(text, name, overrides)?;
         case.validate(name)?;
         Ok(case)
     }
@@ -141,13 +92,13 @@ impl Case {
         let refuse = |key: &str, got: String, expected: &str| {
             Err(Error::Range { name: name.to_string(), key: key.to_string(), got, expected: expected.to_string() })
         };
-        let (step, end) = (self.run.communication_step, self.run.end);
-        if !(step.is_finite() && step > 0.0) {
-            return refuse("run.communication_step", step.to_string(), "a positive number of seconds");
+        if !self.start.is_finite() {
+            return refuse("start", self.start.to_string(), "a finite number of seconds");
         }
-        if !(end.is_finite() && end > self.start) {
-            return refuse("run.end", end.to_string(), &format!("more than the start, {} s", self.start));
-        }
+        self.run.validate(name, self.start)?;
+        self.output.validate(name)?;
+        self.coupling.validate(name, self.run.communication_step)?;
+        self.check.iter().enumerate().try_for_each(|(index, figure)| figure.validate(name, index))?;
         if self.fmu.is_empty() {
             return refuse("fmu", "[]".to_string(), "at least one [[fmu]]");
         }
@@ -162,16 +113,12 @@ impl Case {
         if let Some(limit) = self.step_limit.as_ref().filter(|limit| !limit.contains('.')) {
             return refuse("step_limit", format!("'{limit}'"), "fmu.variable");
         }
-        let coupling = &self.coupling;
-        if !(coupling.relaxation > 0.0 && coupling.relaxation <= 1.0) {
-            return refuse("coupling.relaxation", coupling.relaxation.to_string(), "more than 0, at most 1");
-        }
-        if !(coupling.tolerance_relative >= 0.0 && coupling.tolerance_absolute >= 0.0) {
-            let got = format!("{}, {}", coupling.tolerance_relative, coupling.tolerance_absolute);
-            return refuse("coupling.tolerance_relative, tolerance_absolute", got, "numbers of at least 0");
-        }
-        if coupling.predictor_order > 2 {
-            return refuse("coupling.predictor_order", coupling.predictor_order.to_string(), "0, 1 or 2");
+        for (index, link) in self.connection.iter().enumerate() {
+            let tolerance = link.tolerance_absolute.unwrap_or(0.0);
+            if !(tolerance.is_finite() && tolerance >= 0.0) {
+                let key = format!("connection.{index}.tolerance_absolute");
+                return refuse(&key, tolerance.to_string(), "a finite number of at least 0");
+            }
         }
         self.ends().map(|_| ()).map_err(|(key, got)| Error::Range {
             name: name.to_string(),
@@ -197,65 +144,6 @@ impl Case {
         let connections = self.connection.iter().enumerate();
         connections.map(|(i, link)| Ok((split(i, "from", &link.from)?, split(i, "to", &link.to)?))).collect()
     }
-}
-
-fn parse_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
-    let line = error.span().map_or(0, |span| text[..span.start].matches('\n').count() + 1);
-    let message = error.message().to_string();
-    let hint = hint(&message);
-    Error::Parse { name: name.to_string(), line, message, hint }
-}
-
-fn hint(message: &str) -> String {
-    let known = scene::nearest_key(message).filter(|_| message.contains("unknown"));
-    known.map_or_else(String::new, |key| format!("; did you mean `{key}`?"))
-}
-
-fn with_overrides(text: &str, name: &str, overrides: &[(String, String)]) -> Result<Case, Error> {
-    let table: toml::Table = text.parse().map_err(|error| parse_error(name, text, &error))?;
-    let mut root = toml::Value::Table(table);
-    for (key, value) in overrides {
-        let refuse = |reason: String| Error::Override { text: format!("{key}={value}"), reason };
-        let wrapper = format!("value = {value}").parse::<toml::Table>().ok();
-        let parsed = wrapper.and_then(|mut wrapper| wrapper.remove("value"));
-        let parsed = parsed.unwrap_or_else(|| toml::Value::String(value.clone()));
-        place(&mut root, key).map(|slot| *slot = parsed).map_err(refuse)?;
-    }
-    let all = overrides.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join("; ");
-    root.try_into().map_err(|error: toml::de::Error| {
-        let message = error.message();
-        Error::Override { text: all, reason: format!("{message}{}", hint(message)) }
-    })
-}
-
-/// The value at a dotted path; numbers index arrays, missing tables are made. Below `parameters` the rest of the
-/// path is one name.
-fn place<'a>(value: &'a mut toml::Value, path: &str) -> Result<&'a mut toml::Value, String> {
-    let (head, rest) = path.split_once('.').map_or((path, None), |(head, rest)| (head, Some(rest)));
-    let next = match value {
-        toml::Value::Table(table) => {
-            let next = table.entry(head).or_insert_with(|| toml::Value::Table(toml::Table::new()));
-            match rest {
-                Some(name) if head == "parameters" && next.is_table() => return parameter(next, name),
-                _ => next,
-            }
-        }
-        toml::Value::Array(items) => {
-            let count = items.len();
-            let item = head.parse::<usize>().ok().and_then(|index| items.get_mut(index));
-            item.ok_or_else(|| format!("`{head}`: expected an index below {count}"))?
-        }
-        _ => return Err(format!("`{head}` lies below a value that is no table")),
-    };
-    match rest {
-        Some(rest) => place(next, rest),
-        None => Ok(next),
-    }
-}
-
-fn parameter<'a>(parameters: &'a mut toml::Value, name: &str) -> Result<&'a mut toml::Value, String> {
-    let table = parameters.as_table_mut().ok_or("`parameters` is no table")?;
-    Ok(table.entry(name).or_insert(toml::Value::Boolean(false)))
 }
 
 #[cfg(test)]
@@ -304,7 +192,9 @@ method = 'aitken'
     fn values_out_of_range_say_what_is_expected() {
         let refused =
             |from: &str, to: &str| Case::from_text(&CASE.replace(from, to), "c.toml", &[]).unwrap_err().to_string();
-        assert!(refused("end = 1.0", "end = -1.0").contains("run.end = -1: expected more than the start, 0 s"));
+        assert!(
+            refused("end = 1.0", "end = -1.0").contains("run.end = -1: expected a finite number above the start, 0 s")
+        );
         assert!(refused("= 0.01", "= 0.0").contains("run.communication_step = 0"));
         assert!(refused("name = 'b'", "name = 'a'").contains("a name that is used once"));
         assert!(refused("to = 'b.u.v'", "to = 'b'").contains("connection.0.to = 'b': expected fmu.variable"));

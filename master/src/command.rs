@@ -108,7 +108,7 @@ fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let path = locate(&arguments.target)?;
     let name = scene_case::scene_name(&path);
     let folder = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(&name));
-    let job = if scene_case::is_case(&read(&path)?) {
+    let job = if scene_case::is_case(&scene::read_text(&path)?) {
         case_job(&path, name, folder, &overrides, arguments)?
     } else {
         scene_job(&path, name, folder, &overrides, arguments)?
@@ -133,7 +133,7 @@ fn scene_job(
     arguments: &RunArguments,
 ) -> Result<Job, Failure> {
     let scene = Scene::from_file_with(path, overrides)?;
-    let modes = scene_case::modes(&scene).max(components::DEFAULT_MODES);
+    let modes = scene.modes().max(components::DEFAULT_MODES);
     let fmus = pack::program_folder().join(format!("fmus-{modes}-modes"));
     for packed in pack::pack(&fmus, modes)? {
         if packed.written && !arguments.quiet {
@@ -221,7 +221,7 @@ fn pack_fmus(out: &Path, modes: usize) -> Result<ExitCode, Failure> {
 fn check(target: &str, set: &[String]) -> Result<ExitCode, Failure> {
     let overrides = overrides(set)?;
     let path = locate(target)?;
-    let text = if scene_case::is_case(&read(&path)?) {
+    let text = if scene_case::is_case(&scene::read_text(&path)?) {
         toml::to_string(&Case::from_file(&path, &overrides)?)?
     } else {
         toml::to_string(&Scene::from_file_with(&path, &overrides)?)?
@@ -267,8 +267,4 @@ fn locate(target: &str) -> Result<PathBuf, Failure> {
     let hint = hint.map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
     let known = names.join(", ");
     Err(format!("'{target}' is neither a file nor a scene in {} ({known}){hint}", folder.display()).into())
-}
-
-fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|error| format!("cannot read {}: {error}", path.display()).into())
 }

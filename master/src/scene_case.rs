@@ -2,14 +2,11 @@
 //! names, for the degrees of freedom that the scene has.
 
 use crate::case::{Case, Connection, Fmu};
+use components::{MAXIMUM_MODES, PROBES, REGIONS};
 use scene::{Freedom, Scene};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Longest arrays of the fluid FMU: pressure probes and regions; and modes of both.
-const PROBES: usize = 16;
-const REGIONS: usize = 4;
-const MODES: usize = 8;
 /// Name of the fluid FMU in a case made from a scene.
 pub const FLUID: &str = "fluid";
 /// Name of the structure FMU in a case made from a scene.
@@ -60,11 +57,6 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
     }
 }
 
-/// Modes that the FMUs must be packed with for a scene.
-pub fn modes(scene: &Scene) -> usize {
-    scene.structure.as_ref().and_then(|structure| structure.beam.as_ref()).map_or(0, |beam| beam.modes)
-}
-
 fn fmu(name: &str, scene: &Scene, overrides: &[(String, String)], places: &Places) -> Fmu {
     let text = |text: String| toml::Value::String(text);
     let overrides: Vec<String> = overrides.iter().map(|(key, value)| format!("{key}={value}")).collect();
@@ -108,7 +100,7 @@ fn freedoms(scene: &Scene) -> Vec<Ending> {
         .into_iter()
         .filter(|freedom| free.contains(freedom))
         .map(rigid)
-        .chain((1..=modes(scene)).map(mode))
+        .chain((1..=scene.modes()).map(mode))
         .collect()
 }
 
@@ -140,7 +132,7 @@ fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
     let regions = scene.fluid.as_ref().map_or(0, |fluid| fluid.region.len());
     let mut names: Vec<String> = (probes + 1..=PROBES).map(|i| format!("{FLUID}.probe.pressure[{i}]")).collect();
     names.extend((regions + 1..=REGIONS).map(|i| format!("{FLUID}.region.mass[{i}]")));
-    let all = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MODES).map(mode));
+    let all = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MAXIMUM_MODES).map(mode));
     for freedom in all.filter(|freedom| !freedoms.contains(freedom)) {
         let (motion, load) = variables(&freedom);
         names.extend(motion.iter().map(|variable| format!("{STRUCTURE}.{variable}")));

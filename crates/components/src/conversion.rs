@@ -30,16 +30,11 @@ fn beam_modes(beam: &Beam) -> Result<BeamModes, Error> {
     Ok(BeamModes::new(support, beam.length, beam.line_density(), beam.modes)?)
 }
 
-/// Number of modes of the scene's beam; 0 without one.
-pub fn modes(scene: &Scene) -> usize {
-    scene.structure.as_ref().and_then(|structure| structure.beam.as_ref()).map_or(0, |beam| beam.modes)
-}
-
 /// Modal coordinates at the start, one per mode \[m sqrt(kg/m)\].
 pub fn initial_modes(scene: &Scene) -> Vec<f64> {
     let beam = scene.structure.as_ref().and_then(|structure| structure.beam.as_ref());
     let mut initial = beam.map_or_else(Vec::new, |beam| beam.initial_modes.clone());
-    initial.resize(modes(scene), 0.0);
+    initial.resize(scene.modes(), 0.0);
     initial
 }
 
@@ -132,7 +127,7 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
 
 /// Free flow needs 1e-3 only; the loads on a body that answers to them must be as good as the coupling's tolerance.
 fn solve_tolerance(scene: &Scene, given: f64) -> f64 {
-    let moves = scene.structure.as_ref().is_some_and(|structure| !structure.free.is_empty()) || modes(scene) > 0;
+    let moves = scene.structure.as_ref().is_some_and(|structure| !structure.free.is_empty()) || scene.modes() > 0;
     match given {
         tolerance if tolerance > 0.0 => tolerance,
         _ if moves => 1e-8,

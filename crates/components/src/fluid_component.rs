@@ -17,9 +17,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Probe points that the interface carries.
-pub(crate) const PROBES: usize = 16;
+pub const PROBES: usize = 16;
 /// Regions that the interface carries.
-pub(crate) const REGIONS: usize = 4;
+pub const REGIONS: usize = 4;
 
 /// Parameters of the FMU; zeros and empty texts mean "as the scene says".
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -91,6 +91,7 @@ impl FluidComponent {
                 part.threads = threads;
             }
         }
+        scene.validate(&parameters.scene)?;
         Ok(scene)
     }
 

@@ -14,8 +14,9 @@ mod scenes;
 mod structure_component;
 
 pub use error::Error;
-pub use fluid_component::FluidComponent;
+pub use fluid_component::{FluidComponent, PROBES, REGIONS};
 pub use interface::{ACCELERATION, LOAD, POSITION, VELOCITY};
+pub use kinematics::MAXIMUM_MODES;
 pub use scenes::find_scene;
 pub use structure_component::StructureComponent;
 

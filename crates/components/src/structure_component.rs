@@ -82,7 +82,7 @@ pub struct StructureComponent {
 
 impl Machinery {
     fn new(scene: Arc<Scene>, limit: usize, series: Option<Series>) -> Result<Self, Error> {
-        let modes = conversion::modes(&scene);
+        let modes = scene.modes();
         if modes > limit {
             let hint = "; pack the FMU with more modes or lower structure.beam.modes";
             return Err(Error::TooMany { what: "modes of the beam", got: modes, limit, hint });
@@ -152,6 +152,7 @@ impl StructureComponent {
                 });
             };
             beam.youngs_modulus = parameters.youngs_modulus;
+            scene.validate(&parameters.scene)?;
         }
         Ok(scene)
     }
@@ -235,7 +236,7 @@ impl Component for StructureComponent {
     fn initialise(&mut self, experiment: &Experiment, log: &Logger) -> Result<(), Failure> {
         self.prepare(experiment.start).map_err(|error| Failure::broken(error.to_string()))?;
         if let Some(progress) = &self.state.progress {
-            let modes = conversion::modes(&progress.scene);
+            let modes = progress.scene.modes();
             log.event(&format!("structure of '{}' with {modes} modes is ready", progress.scene.title));
         }
         Ok(())

@@ -1,24 +1,24 @@
-//! What can be wrong with a scene file.
+//! What can be wrong with a scene file, or with another file made of its tables.
 
 use thiserror::Error;
 
-/// A scene that cannot be used, with the place and the remedy.
+/// A scene, or a document made of its tables, that cannot be used, with the place and the remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
     /// The file cannot be read.
-    #[error("cannot read the scene file {path}: {reason}")]
+    #[error("cannot read {path}: {reason}")]
     Read {
         /// Path as given.
         path: String,
         /// What the operating system said.
         reason: String,
     },
-    /// The text is not a scene: syntax, an unknown key or a wrong type.
+    /// The text is not what is expected: syntax, an unknown key or a wrong type.
     #[error("{name}, line {line}: {message}{hint}")]
     Parse {
-        /// Name of the scene.
+        /// Name of the document.
         name: String,
-        /// Line counted from one; zero when the text came from an override.
+        /// Line counted from one.
         line: usize,
         /// What the parser said.
         message: String,
@@ -36,7 +36,7 @@ pub enum Error {
     /// A value outside its range.
     #[error("{name}: {key} = {got}: expected {expected}")]
     Range {
-        /// Name of the scene.
+        /// Name of the document.
         name: String,
         /// Key path of the value.
         key: String,

@@ -39,6 +39,13 @@ pub struct Scene {
     pub check: Vec<Check>,
 }
 
+impl Scene {
+    /// Number of modes of the beam; 0 without one.
+    pub fn modes(&self) -> usize {
+        self.structure.as_ref().and_then(|structure| structure.beam.as_ref()).map_or(0, |beam| beam.modes)
+    }
+}
+
 /// Duration and communication step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -2,6 +2,13 @@
 
 use crate::*;
 
+/// Particles that a scene may ask for; more is a slip in the spacing rather than a wish.
+const MOST_PARTICLES: f64 = 1e7;
+/// Communication steps of a run.
+const MOST_STEPS: f64 = 1e9;
+/// Points of one line probe.
+const MOST_PROBE_POINTS: f64 = 1000.0;
+
 struct Checker<'a> {
     name: &'a str,
 }
@@ -20,21 +27,43 @@ impl Checker<'_> {
         if value.is_finite() && (low..=high).contains(&value) {
             return Ok(());
         }
-        self.fail(key, value, &format!("a number from {low} to {high}"))
+        match high {
+            f64::MAX => self.fail(key, value, &format!("a finite number of at least {low}")),
+            _ => self.fail(key, value, &format!("a number from {low} to {high}")),
+        }
     }
 
     fn positive(&self, key: &str, value: f64) -> Result<(), Error> {
         if value.is_finite() && value > 0.0 { Ok(()) } else { self.fail(key, value, "a finite number above 0") }
     }
 
+    fn finite(&self, key: &str, values: &[f64]) -> Result<(), Error> {
+        match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+            Some((index, value)) => self.fail(&format!("{key}[{index}]"), value, "a finite number"),
+            None => Ok(()),
+        }
+    }
+
+    /// An optional number, or one with a default.
+    fn finite_if(&self, key: &str, value: impl Into<Option<f64>>) -> Result<(), Error> {
+        match value.into().filter(|value| !value.is_finite()) {
+            Some(value) => self.fail(key, value, "a finite number"),
+            None => Ok(()),
+        }
+    }
+
+    fn point(&self, key: &str, point: Point) -> Result<(), Error> {
+        if point.iter().all(|value| value.is_finite()) {
+            return Ok(());
+        }
+        self.fail(key, format!("{point:?}"), "finite coordinates")
+    }
+
     fn points(&self, key: &str, points: &[Point], least: usize) -> Result<(), Error> {
         if points.len() < least {
             return self.fail(key, format!("{} points", points.len()), &format!("at least {least} points"));
         }
-        match points.iter().find(|p| !p[0].is_finite() || !p[1].is_finite()) {
-            Some(point) => self.fail(key, format!("{point:?}"), "finite coordinates"),
-            None => Ok(()),
-        }
+        points.iter().enumerate().try_for_each(|(i, point)| self.point(&format!("{key}[{i}]"), *point))
     }
 }
 
@@ -42,12 +71,10 @@ impl Scene {
     /// Checks every value against its range; `name` is used in messages.
     pub fn validate(&self, name: &str) -> Result<(), Error> {
         let check = Checker { name };
-        check.positive("run.end", self.run.end)?;
-        check.positive("run.communication_step", self.run.communication_step)?;
-        check.within("run.communication_step", self.run.communication_step, 0.0, self.run.end)?;
-        check.points("gravity", &[self.gravity], 1)?;
-        check.within("output.interval", self.output.interval, 0.0, f64::MAX)?;
-        check.within("output.record_interval", self.output.record_interval, 0.0, f64::MAX)?;
+        self.run.validate(name, 0.0)?;
+        check.within("gravity[0]", self.gravity[0], -1e6, 1e6)?;
+        check.within("gravity[1]", self.gravity[1], -1e6, 1e6)?;
+        self.output.validate(name)?;
         if self.fluid.is_none() && self.structure.is_none() {
             check.fail("fluid, structure", "none", "at least one of [fluid] and [structure]")?;
         }
@@ -57,7 +84,68 @@ impl Scene {
         if let Some(structure) = &self.structure {
             validate_structure(&check, structure)?;
         }
-        validate_coupling(&check, &self.coupling)
+        self.coupling.validate(name, self.run.communication_step)?;
+        self.check.iter().enumerate().try_for_each(|(index, figure)| figure.validate(name, index))
+    }
+}
+
+impl Run {
+    /// Checks end and step of a run that starts at `start` \[s\]; `name` is used in messages.
+    pub fn validate(&self, name: &str, start: f64) -> Result<(), Error> {
+        let check = Checker { name };
+        if !(self.end.is_finite() && self.end > start) {
+            check.fail("run.end", self.end, &format!("a finite number above the start, {start} s"))?;
+        }
+        let duration = self.end - start;
+        check.within("run.communication_step", self.communication_step, duration / MOST_STEPS, duration)
+    }
+}
+
+impl Output {
+    /// Checks the intervals; `name` is used in messages.
+    pub fn validate(&self, name: &str) -> Result<(), Error> {
+        let check = Checker { name };
+        check.within("output.interval", self.interval, 0.0, f64::MAX)?;
+        check.within("output.record_interval", self.record_interval, 0.0, f64::MAX)
+    }
+}
+
+impl Coupling {
+    /// Checks every number, for a communication step of this length \[s\]; `name` is used in messages.
+    pub fn validate(&self, name: &str, communication_step: f64) -> Result<(), Error> {
+        let check = Checker { name };
+        check.within("coupling.relaxation", self.relaxation, 1e-6, 1.0)?;
+        check.within("coupling.tolerance_relative", self.tolerance_relative, 0.0, 1.0)?;
+        check.within("coupling.tolerance_absolute", self.tolerance_absolute, 0.0, f64::MAX)?;
+        if self.tolerance_relative == 0.0 && self.tolerance_absolute == 0.0 {
+            check.fail("coupling.tolerance_relative, tolerance_absolute", "0, 0", "at least one above 0")?;
+        }
+        check.within("coupling.maximum_iterations", self.maximum_iterations as f64, 1.0, 1e4)?;
+        check.within("coupling.smallest_step", self.smallest_step, 0.0, communication_step)?;
+        check.within("coupling.predictor_order", self.predictor_order as f64, 0.0, 2.0)?;
+        check.within("coupling.reused_steps", self.reused_steps as f64, 0.0, 100.0)
+    }
+}
+
+impl Check {
+    /// Checks every number of the check with this index; `name` is used in messages.
+    pub fn validate(&self, name: &str, index: usize) -> Result<(), Error> {
+        let check = Checker { name };
+        let key = |field: &str| format!("check[{index}].{field}");
+        check.finite_if(&key("from"), self.from)?;
+        check.finite_if(&key("to"), self.to)?;
+        if let (Some(from), Some(to)) = (self.from, self.to)
+            && to < from
+        {
+            check.fail(&key("to"), to, &format!("at least {from}, where the window starts"))?;
+        }
+        check.finite_if(&key("scale"), self.scale)?;
+        check.finite_if(&key("offset"), self.offset)?;
+        check.positive(&key("time_scale"), self.time_scale)?;
+        check.finite_if(&key("reference"), self.reference)?;
+        check.within(&key("limit"), self.limit.unwrap_or(0.0), 0.0, f64::MAX)?;
+        check.points(&key("points"), &self.points, 0)?;
+        check.positive(&key("depth"), self.depth.unwrap_or(1.0))
     }
 }
 
@@ -81,24 +169,69 @@ fn validate_fluid(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
     for (i, water) in fluid.water.iter().enumerate() {
         check.points(&format!("fluid.water[{i}].polygon"), &water.polygon, 3)?;
     }
+    validate_spacing(check, fluid)?;
     for (i, wall) in fluid.wall.iter().enumerate() {
         check.points(&format!("fluid.wall[{i}].points"), &wall.points, 2)?;
     }
     for (i, region) in fluid.region.iter().enumerate() {
         check.points(&format!("fluid.region[{i}].polygon"), &region.polygon, 3)?;
     }
-    for (i, probe) in fluid.probe.iter().enumerate() {
-        let key = format!("fluid.probe[{i}]");
-        if probe.points().is_empty() {
-            check.fail(&key, "no place", "`point`, or `from`, `to` and `count`")?;
+    fluid.probe.iter().enumerate().try_for_each(|(i, probe)| validate_probe(check, i, probe))
+}
+
+/// Refuses a spacing that would fill the memory before anything could be said about it, and water without area.
+fn validate_spacing(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
+    let mut around = 0.0;
+    for (i, water) in fluid.water.iter().enumerate() {
+        let [width, height] = extent(&water.polygon);
+        let area = area(&water.polygon);
+        if area <= 1e-9 * width.hypot(height).powi(2) {
+            let expected = format!("a polygon that encloses an area; its corners span {width} x {height} m");
+            check.fail(&format!("fluid.water[{i}].polygon"), format!("{area} m2"), &expected)?;
         }
-        check.points(&key, &probe.points(), 1)?;
+        around += width * height;
     }
-    Ok(())
+    let least = (around / MOST_PARTICLES).sqrt();
+    if fluid.spacing >= least {
+        return Ok(());
+    }
+    let expected = format!("at least {least} m: {MOST_PARTICLES:e} particles in {around} m2 around the water");
+    check.fail("fluid.spacing", fluid.spacing, &expected)
+}
+
+/// Width and height of the box around a polygon \[m\].
+fn extent(polygon: &[Point]) -> [f64; 2] {
+    [0, 1].map(|axis| {
+        let values = polygon.iter().map(|point| point[axis]);
+        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+    })
+}
+
+/// Area of a closed polygon \[m2\], from its first corner so that a far origin costs no digits.
+fn area(polygon: &[Point]) -> f64 {
+    let [x, y] = polygon[0];
+    let triangle = |pair: &[Point]| (pair[0][0] - x) * (pair[1][1] - y) - (pair[0][1] - y) * (pair[1][0] - x);
+    0.5 * polygon.windows(2).map(triangle).sum::<f64>().abs()
+}
+
+fn validate_probe(check: &Checker, index: usize, probe: &Probe) -> Result<(), Error> {
+    let key = |field: &str| format!("fluid.probe[{index}].{field}");
+    for (field, point) in [("point", probe.point), ("from", probe.from), ("to", probe.to)] {
+        check.point(&key(field), point.unwrap_or_default())?;
+    }
+    match (probe.point, probe.from, probe.to) {
+        (None, Some(_), Some(_)) => check.within(&key("count"), probe.count as f64, 1.0, MOST_PROBE_POINTS),
+        (Some(_), None, None) => check.within(&key("count"), probe.count as f64, 0.0, 1.0),
+        _ => check.fail(
+            &format!("fluid.probe[{index}]"),
+            "no single place",
+            "either `point`, or `from`, `to` and `count`",
+        ),
+    }
 }
 
 fn validate_structure(check: &Checker, structure: &Structure) -> Result<(), Error> {
-    check.points("structure.origin", &[structure.origin], 1)?;
+    check.point("structure.origin", structure.origin)?;
     check.within("structure.angle", structure.angle, -10.0, 10.0)?;
     check.within("structure.mass", structure.mass, 0.0, f64::MAX)?;
     check.within("structure.inertia", structure.inertia, 0.0, f64::MAX)?;
@@ -119,32 +252,28 @@ fn validate_structure(check: &Checker, structure: &Structure) -> Result<(), Erro
     if structure.beam.is_none() && structure.wall.is_empty() && structure.free.is_empty() {
         check.fail("structure", "empty", "a beam, a wall or a free degree of freedom")?;
     }
-    let Some(beam) = &structure.beam else { return Ok(()) };
-    check.points("structure.beam.middle", &[beam.middle], 1)?;
+    let modes = structure.beam.as_ref().map_or(0, |beam| beam.modes);
+    if let Some(beam) = &structure.beam {
+        validate_beam(check, beam)?;
+    }
+    check.within("length of structure.constant_load", structure.constant_load.len() as f64, 0.0, 3.0 + modes as f64)?;
+    check.finite("structure.constant_load", &structure.constant_load)
+}
+
+fn validate_beam(check: &Checker, beam: &Beam) -> Result<(), Error> {
+    check.point("structure.beam.middle", beam.middle)?;
     check.positive("structure.beam.length", beam.length)?;
     check.positive("structure.beam.thickness", beam.thickness)?;
     check.positive("structure.beam.density", beam.density)?;
     check.positive("structure.beam.youngs_modulus", beam.youngs_modulus)?;
     check.within("structure.beam.poisson_ratio", beam.poisson_ratio.unwrap_or(0.0), 0.0, 0.5)?;
     check.within("structure.beam.modes", beam.modes as f64, 0.0, 8.0)?;
-    for zeta in &beam.damping {
-        check.within("structure.beam.damping", *zeta, 0.0, 1.0)?;
+    for (i, zeta) in beam.damping.iter().enumerate() {
+        check.within(&format!("structure.beam.damping[{i}]"), *zeta, 0.0, 1.0)?;
     }
+    check.finite("structure.beam.initial_modes", &beam.initial_modes)?;
     for (key, count) in [("damping", beam.damping.len()), ("initial_modes", beam.initial_modes.len())] {
         check.within(&format!("length of structure.beam.{key}"), count as f64, 0.0, beam.modes as f64)?;
     }
     Ok(())
-}
-
-fn validate_coupling(check: &Checker, coupling: &Coupling) -> Result<(), Error> {
-    check.within("coupling.relaxation", coupling.relaxation, 1e-6, 1.0)?;
-    check.within("coupling.tolerance_relative", coupling.tolerance_relative, 0.0, 1.0)?;
-    check.within("coupling.tolerance_absolute", coupling.tolerance_absolute, 0.0, f64::MAX)?;
-    if coupling.tolerance_relative == 0.0 && coupling.tolerance_absolute == 0.0 {
-        check.fail("coupling.tolerance_relative, tolerance_absolute", "0, 0", "at least one above 0")?;
-    }
-    check.within("coupling.maximum_iterations", coupling.maximum_iterations as f64, 1.0, 1e4)?;
-    check.within("coupling.smallest_step", coupling.smallest_step, 0.0, f64::MAX)?;
-    check.within("coupling.predictor_order", coupling.predictor_order as f64, 0.0, 2.0)?;
-    check.within("coupling.reused_steps", coupling.reused_steps as f64, 0.0, 100.0)
 }

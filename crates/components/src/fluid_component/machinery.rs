@@ -19,7 +19,7 @@ pub(super) struct Machinery {
 impl Machinery {
     pub(super) fn new(scene: Arc<Scene>, modes: usize, parameters: &Parameters, start: f64) -> Result<Self, Error> {
         let (numbers, geometry) = conversion::fluid(&scene)?;
-        let beam = conversion::modes(&scene);
+        let beam = scene.modes();
         within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
         within("pressure probe points", geometry.probes.len(), PROBES, "; remove some of fluid.probe")?;
         within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;

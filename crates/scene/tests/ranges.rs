@@ -1,0 +1,247 @@
+//! Every number of a scene outside its range: the error names the key and the value.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use scene::Scene;
+use toml::Value;
+
+/// A scene in which every key that holds numbers is written out.
+const SCENE: &str = r#"
+title = "everything"
+gravity = [0.0, -9.81]
+[run]
+end = 1.0
+communication_step = 0.01
+[output]
+interval = 0.1
+record_interval = 0.1
+[fluid]
+density = 1000.0
+spacing = 0.01
+threads = 1
+water = [{ polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]] }]
+wall = [{ points = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]] }]
+probe = [{ name = "p", point = [0.0, 0.1] }, { name = "l", from = [0.0, 0.1], to = [0.0, 0.4], count = 3 }]
+region = [{ name = "r", polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]] }]
+paper = { influence_radius = 3.1, alpha = 0.01, courant = 0.2, shifting = 0.03, collision_distance = 0.8, restitution = 0.2, surface_deviation = 0.2 }
+solve = { tolerance = 1e-3, maximum_iterations = 100 }
+[structure]
+origin = [0.5, 0.6]
+angle = 0.1
+free = ["x", "theta"]
+mass = 1.0
+inertia = 1.0
+wall = [{ points = [[-0.1, 0.0], [0.1, 0.0]] }]
+constant_load = [1.0, 0.0]
+[structure.integrator]
+rho_infinity = 0.8
+beta = 0.25
+gamma = 0.5
+[structure.beam]
+support = "clamped_free"
+middle = [0.0, 0.1]
+length = 0.1
+thickness = 0.01
+density = 1000.0
+youngs_modulus = 1e6
+poisson_ratio = 0.3
+modes = 2
+damping = [0.01]
+initial_modes = [0.1]
+[coupling]
+relaxation = 0.2
+tolerance_relative = 1e-6
+tolerance_absolute = 1e-6
+maximum_iterations = 30
+smallest_step = 1e-4
+predictor_order = 1
+reused_steps = 4
+[[check]]
+name = "c"
+kind = "series_mean"
+from = 0.1
+to = 0.2
+scale = 2.0
+offset = 1.0
+time_scale = 2.0
+reference = 1.0
+limit = 1.0
+depth = 0.5
+points = [[0.0, 1.0]]
+"#;
+
+/// Keys with a bound: the nearest values that are refused, and the bounds that are accepted.
+const BOUNDS: &[(&str, &[&str], &[&str])] = &[
+    ("gravity.0", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
+    ("gravity.1", &["-1.1e6", "1.1e6"], &["-1e6", "0"]),
+    ("run.end", &["-1", "0"], &["0.01"]),
+    ("run.communication_step", &["-0.01", "0", "0.9e-9", "1.01"], &["1.0", "1e-3"]),
+    ("output.interval", &["-1e-9"], &["0", "1e9"]),
+    ("output.record_interval", &["-1e-9"], &["0", "1e9"]),
+    ("fluid.density", &["-1", "0"], &["1e-3"]),
+    ("fluid.spacing", &["-0.01", "0", "2e-4", "1e-300"], &["3e-4", "0.1"]),
+    ("fluid.threads", &["-1", "1025"], &["0", "1024"]),
+    ("fluid.paper.influence_radius", &["2.09", "4.01"], &["2.1", "4"]),
+    ("fluid.paper.alpha", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.paper.courant", &["0.009", "0.51"], &["0.01", "0.5"]),
+    ("fluid.paper.shifting", &["-0.01", "0.51"], &["0", "0.5"]),
+    ("fluid.paper.collision_distance", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.paper.restitution", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.paper.surface_deviation", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.solve.tolerance", &["-1e-9", "0.11"], &["0", "0.1"]),
+    ("fluid.solve.maximum_iterations", &["-1", "0", "1000001"], &["1", "1000000"]),
+    ("fluid.probe.1.count", &["-1", "0", "1001", "9000000000000000000"], &["1", "1000"]),
+    ("structure.angle", &["-10.1", "10.1"], &["-10", "10"]),
+    ("structure.mass", &["-1", "0"], &["1e-3"]),
+    ("structure.inertia", &["-1", "0"], &["1e-3"]),
+    ("structure.integrator.rho_infinity", &["-0.01", "1.01"], &["0", "1"]),
+    ("structure.integrator.beta", &["0.009", "1.01"], &["0.01", "1"]),
+    ("structure.integrator.gamma", &["0.49", "1.01"], &["0.5", "1"]),
+    ("structure.beam.length", &["-1", "0"], &["1e-3"]),
+    ("structure.beam.thickness", &["-1", "0"], &["1e-3"]),
+    ("structure.beam.density", &["-1", "0"], &["1e-3"]),
+    ("structure.beam.youngs_modulus", &["-1", "0"], &["1e-3"]),
+    ("structure.beam.poisson_ratio", &["-0.01", "0.51"], &["0", "0.5"]),
+    ("structure.beam.modes", &["-1", "9"], &["1", "8"]),
+    ("structure.beam.damping.0", &["-0.01", "1.01"], &["0", "1"]),
+    ("coupling.relaxation", &["-1", "0", "1.01"], &["1e-6", "1"]),
+    ("coupling.tolerance_relative", &["-1e-9", "1.01"], &["0", "1"]),
+    ("coupling.tolerance_absolute", &["-1e-9"], &["0", "1e9"]),
+    ("coupling.maximum_iterations", &["-1", "0", "10001"], &["1", "10000"]),
+    ("coupling.smallest_step", &["-1e-9", "0.011"], &["0", "0.01"]),
+    ("coupling.predictor_order", &["-1", "3"], &["0", "2"]),
+    ("coupling.reused_steps", &["-1", "101"], &["0", "100"]),
+    ("check.0.to", &["0.09"], &["0.1"]),
+    ("check.0.time_scale", &["-1", "0"], &["0.1"]),
+    ("check.0.limit", &["-1e-9"], &["0"]),
+    ("check.0.depth", &["-1", "0"], &["0.1"]),
+];
+
+fn with(key: &str, value: &str) -> Result<Scene, String> {
+    let overrides = [(key.to_string(), value.to_string())];
+    Scene::with_overrides(SCENE, "all.toml", &overrides).map_err(|error| error.to_string())
+}
+
+/// A dotted path as messages write it: `a.0.b` is `a[0].b`.
+fn bracketed(key: &str) -> String {
+    key.split('.').fold(String::new(), |text, part| match (text.is_empty(), part.parse::<usize>()) {
+        (true, _) => part.to_string(),
+        (false, Ok(index)) => format!("{text}[{index}]"),
+        (false, Err(_)) => format!("{text}.{part}"),
+    })
+}
+
+/// The message names the key, or the point that the key is a coordinate of, and the value.
+fn names(message: &str, key: &str, value: &str) {
+    let shown = bracketed(key);
+    let point = shown.strip_suffix("[0]").or_else(|| shown.strip_suffix("[1]")).unwrap_or(&shown);
+    let from_override = message.contains(&format!("'{key}={value}'"));
+    assert!(
+        from_override || message.contains(&format!("{point} = ")) || message.contains(&format!("{shown} = ")),
+        "{key}={value}: {message}"
+    );
+    let number = value.parse::<f64>().map_or_else(|_| value.to_string(), |number| number.to_string());
+    assert!(message.contains(&number) || from_override, "{key}={value}: {message}");
+    assert!(message.contains("expected"), "{key}={value}: {message}");
+}
+
+/// Paths of all numbers of a document, with whether they are integers.
+fn numbers(value: &Value, path: &str, found: &mut Vec<(String, bool)>) {
+    let below = |part: &str| if path.is_empty() { part.to_string() } else { format!("{path}.{part}") };
+    match value {
+        Value::Table(table) => table.iter().for_each(|(key, value)| numbers(value, &below(key), found)),
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, item)| numbers(item, &below(&i.to_string()), found));
+        }
+        Value::Float(_) | Value::Integer(_) => found.push((path.to_string(), value.is_integer())),
+        _ => {}
+    }
+}
+
+#[test]
+fn bounds_are_kept_on_both_sides() {
+    for (key, refused, accepted) in BOUNDS {
+        for value in *refused {
+            names(&with(key, value).expect_err(&format!("{key}={value} is accepted")), key, value);
+        }
+        for value in *accepted {
+            with(key, value).unwrap_or_else(|error| panic!("{key}={value}: {error}"));
+        }
+    }
+}
+
+#[test]
+fn no_number_may_be_infinite_or_none() {
+    let scene = Scene::from_str(SCENE, "all.toml").unwrap();
+    let mut found = Vec::new();
+    numbers(&Value::try_from(&scene).unwrap(), "", &mut found);
+    assert!(found.len() > 80, "{found:?}");
+    for (key, integer) in &found {
+        for value in ["nan", "inf", "-inf"] {
+            let message = with(key, value).expect_err(&format!("{key}={value} is accepted"));
+            names(&message, key, value);
+            assert!(!integer || message.contains("floating point"), "{message}");
+        }
+        let message = with(key, "'text'").expect_err(&format!("{key}='text' is accepted"));
+        assert!(message.contains(key) && message.contains("\"text\""), "{message}");
+    }
+    for (key, ..) in BOUNDS {
+        assert!(found.iter().any(|(known, _)| known == key), "{key} is in the table and not in the scene");
+    }
+}
+
+/// The scene above writes out every number: adding one to the types makes this fail until it is tested too.
+#[test]
+fn the_scene_above_writes_out_every_number() {
+    let written: Value = Value::Table(SCENE.parse().unwrap());
+    let complete = Value::try_from(Scene::from_str(SCENE, "all.toml").unwrap()).unwrap();
+    let (mut known, mut all) = (Vec::new(), Vec::new());
+    numbers(&written, "", &mut known);
+    numbers(&complete, "", &mut all);
+    // The point probe has no `count` of its own.
+    all.retain(|(key, _)| key != "fluid.probe.0.count");
+    let missing: Vec<_> = all.iter().filter(|entry| !known.contains(entry)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
+fn lists_that_are_too_short_or_too_long() {
+    for (key, value, words) in [
+        ("gravity", "[0]", &["gravity"][..]),
+        ("fluid.water", "[]", &["fluid.water = empty"]),
+        ("fluid.water.0.polygon", "[[0,0],[1,0]]", &["fluid.water[0].polygon = 2 points", "at least 3"]),
+        ("fluid.wall.0.points", "[[0,0]]", &["fluid.wall[0].points = 1 points", "at least 2"]),
+        ("fluid.region.0.polygon", "[]", &["fluid.region[0].polygon = 0 points", "at least 3"]),
+        ("fluid.probe.0", "{ name = 'n' }", &["fluid.probe[0]", "`point`, or `from`"]),
+        ("fluid.probe.1.point", "[0,0]", &["fluid.probe[1]", "either"]),
+        ("structure.wall.0.points", "[[0,0]]", &["structure.wall[0].points = 1 points"]),
+        ("structure.constant_load", "[0,0,0,0,0,6]", &["structure.constant_load = 6", "from 0 to 5"]),
+        ("structure.beam.damping", "[0,0,0]", &["structure.beam.damping = 3", "from 0 to 2"]),
+        ("structure.beam.initial_modes", "[0,0,0]", &["structure.beam.initial_modes = 3", "from 0 to 2"]),
+        ("fluid.scheme", "papr", &["fluid.scheme=papr", "did you mean `paper`"]),
+        ("structure.free", "['z']", &["unknown variant `z`"]),
+        ("fluid.spacing.deep", "1", &["fluid.spacing.deep=1", "no table"]),
+        ("fluid.water.7.polygon", "[]", &["`7`", "below 1"]),
+        ("fluid..spacing", "1", &["a key is empty"]),
+    ] {
+        let message = with(key, value).expect_err(&format!("{key}={value} is accepted"));
+        assert!(words.iter().all(|word| message.contains(word)), "{message}: expected {words:?}");
+    }
+    let both = [("coupling.tolerance_relative", "0"), ("coupling.tolerance_absolute", "0")];
+    let both = both.map(|(key, value)| (key.to_string(), value.to_string()));
+    let message = Scene::with_overrides(SCENE, "all.toml", &both).unwrap_err().to_string();
+    assert!(message.contains("tolerance_relative, tolerance_absolute = 0, 0"), "{message}");
+    let nothing = "title = 'n'\n[run]\nend = 1.0\ncommunication_step = 0.1\n";
+    let message = Scene::from_str(nothing, "n.toml").unwrap_err().to_string();
+    assert!(message.contains("at least one of [fluid] and [structure]"), "{message}");
+}
+
+#[test]
+fn files_that_are_missing_or_no_scene() {
+    let missing = std::path::Path::new("/no/such/scene.toml");
+    let message = Scene::from_file(missing).unwrap_err().to_string();
+    assert!(message.contains("cannot read /no/such/scene.toml"), "{message}");
+    let message = Scene::from_str("title = 'cut'\n[run", "cut.toml").unwrap_err().to_string();
+    assert!(message.contains("cut.toml, line 2"), "{message}");
+    let message = Scene::from_str("", "empty.toml").unwrap_err().to_string();
+    assert!(message.contains("missing field `title`"), "{message}");
+}
