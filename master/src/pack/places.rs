@@ -32,15 +32,20 @@ pub fn scenes_folder() -> Result<PathBuf, Error> {
     above(&work).or_else(|| above(&program)).ok_or_else(|| Error::NoScenes(work.display().to_string()))
 }
 
-/// Names and contents of the scenes of a folder and of the reference files below it, sorted.
+/// Names and contents of the scenes of a folder and of the reference curves in its folder `reference`, sorted.
 pub fn scene_files(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    let mut files = Vec::new();
-    for path in files_with(folder, "toml")? {
-        let content = std::fs::read(&path).map_err(|error| Error::file(&path, error))?;
-        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        files.push((name, content));
+    let mut paths = files_with(folder, "toml")?;
+    let references = folder.join("reference");
+    if references.is_dir() {
+        paths.extend(files_with(&references, "csv")?);
     }
-    Ok(files)
+    let read = |path: &PathBuf| {
+        let content = std::fs::read(path).map_err(|error| Error::file(path, error))?;
+        let name = path.strip_prefix(folder).unwrap_or(path).components();
+        let name: Vec<_> = name.map(|part| part.as_os_str().to_string_lossy()).collect();
+        Ok((name.join("/"), content))
+    };
+    paths.iter().map(read).collect()
 }
 
 /// Files of a folder with this extension, sorted.
@@ -50,4 +55,21 @@ pub fn files_with(folder: &Path, extension: &str) -> Result<Vec<PathBuf>, Error>
     paths.retain(|path| path.extension().is_some_and(|found| found == extension));
     paths.sort();
     Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_come_with_the_curves_that_their_checks_name() {
+        let files = scene_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes")).unwrap();
+        let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+        assert!(names.contains(&"hydrostatic.toml"), "{names:?}");
+        for (name, content) in files.iter().filter(|(name, _)| name.ends_with(".toml")) {
+            let scene = scene::Scene::from_str(std::str::from_utf8(content).unwrap(), name).unwrap();
+            let missing = scene.check.iter().find(|check| !check.file.is_empty() && !names.contains(&&*check.file));
+            assert!(missing.is_none(), "{name}: {missing:?} is not among {names:?}");
+        }
+    }
 }
