@@ -4,7 +4,8 @@ mod machinery;
 mod table;
 
 use crate::interface::{COORDINATES, MotionValues};
-use crate::{Error, conversion, find_scene};
+use crate::parameters::{HasSceneParameters, SceneParameters};
+use crate::{Error, conversion};
 use fluid::Observables;
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::MAXIMUM_MODES;
@@ -24,12 +25,9 @@ pub const REGIONS: usize = 4;
 /// Parameters of the FMU; zeros and empty texts mean "as the scene says".
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Parameters {
-    scene: String,
-    overrides: String,
+    common: SceneParameters,
     particle_spacing: f64,
     threads: i32,
-    output_directory: String,
-    output_interval: f64,
 }
 
 /// What the solver said of the last step.
@@ -78,7 +76,7 @@ pub struct FluidComponent {
 impl FluidComponent {
     fn resolve_scene(&self) -> Result<Scene, Error> {
         let parameters = &self.state.parameters;
-        let mut scene = find_scene(&parameters.scene, &parameters.overrides, self.resources.as_deref())?;
+        let mut scene = parameters.common.find_scene(self.resources.as_deref())?;
         let missing = || Error::MissingPart { title: scene.title.clone(), part: "fluid" };
         if scene.fluid.is_none() {
             return Err(missing());
@@ -91,16 +89,18 @@ impl FluidComponent {
                 part.threads = threads;
             }
         }
-        scene.validate(&parameters.scene)?;
+        scene.validate(&parameters.common.scene)?;
         Ok(scene)
     }
 
     fn prepare(&mut self, start: f64) -> Result<(), Error> {
         let scene = Arc::new(self.resolve_scene()?);
-        let machinery = Machinery::new(Arc::clone(&scene), self.modes, &self.state.parameters, start)?;
+        let machinery = Machinery::new(Arc::clone(&scene), self.modes, &self.state.parameters.common, start)?;
         let mut state = machinery.solver.initial_state();
         state.time = start;
-        for (entry, value) in state.motion.position.iter_mut().skip(kinematics::RIGID).zip(initial_modes(&scene)) {
+        for (entry, value) in
+            state.motion.position.iter_mut().skip(kinematics::RIGID).zip(conversion::initial_modes(&scene))
+        {
             *entry = value;
         }
         self.observed = OnceCell::new();
@@ -121,12 +121,18 @@ impl FluidComponent {
     }
 }
 
-fn initial_modes(scene: &Scene) -> Vec<f64> {
-    conversion::initial_modes(scene)
-}
-
 fn not_initialised() -> Failure {
     Failure::broken("the fluid is not initialised: call fmi2EnterInitializationMode before")
+}
+
+impl HasSceneParameters for FluidComponent {
+    fn common(&self) -> &SceneParameters {
+        &self.state.parameters.common
+    }
+
+    fn common_mut(&mut self) -> &mut SceneParameters {
+        &mut self.state.parameters.common
+    }
 }
 
 impl Component for FluidComponent {
@@ -203,7 +209,8 @@ impl Component for FluidComponent {
         let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
         self.state.clone_from(state);
         if !(same_parameters && kept) {
-            let machinery = Machinery::new(Arc::clone(&progress.scene), self.modes, &state.parameters, progress.start);
+            let machinery =
+                Machinery::new(Arc::clone(&progress.scene), self.modes, &state.parameters.common, progress.start);
             self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
         }
         Ok(())

@@ -9,6 +9,7 @@ mod error;
 mod fluid_component;
 pub mod frames;
 mod interface;
+mod parameters;
 mod quantities;
 mod scenes;
 mod structure_component;

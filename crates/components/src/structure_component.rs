@@ -4,24 +4,25 @@ mod table;
 
 use crate::frames::{Field, Frame, Series, single};
 use crate::interface::{COORDINATES, MotionValues, coordinate};
-use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion, find_scene};
+use crate::parameters::{HasSceneParameters, SceneParameters};
+use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion};
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::{Body, MAXIMUM_MODES, Motion, RIGID};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Name of the series of field frames.
+const FIELD: &str = "structure";
 
 /// Parameters of the FMU; zeros and empty texts mean "as the scene says".
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Parameters {
-    scene: String,
-    overrides: String,
+    common: SceneParameters,
     youngs_modulus: f64,
-    output_directory: String,
-    output_interval: f64,
 }
 
 /// Values of the outputs at a communication point.
@@ -141,7 +142,7 @@ impl Machinery {
 impl StructureComponent {
     fn resolve_scene(&self) -> Result<Scene, Error> {
         let parameters = &self.state.parameters;
-        let mut scene = find_scene(&parameters.scene, &parameters.overrides, self.resources.as_deref())?;
+        let mut scene = parameters.common.find_scene(self.resources.as_deref())?;
         if parameters.youngs_modulus > 0.0 {
             let beam = scene.structure.as_mut().and_then(|structure| structure.beam.as_mut());
             let Some(beam) = beam else {
@@ -152,14 +153,14 @@ impl StructureComponent {
                 });
             };
             beam.youngs_modulus = parameters.youngs_modulus;
-            scene.validate(&parameters.scene)?;
+            scene.validate(&parameters.common.scene)?;
         }
         Ok(scene)
     }
 
     fn prepare(&mut self, start: f64) -> Result<(), Error> {
         let scene = Arc::new(self.resolve_scene()?);
-        let series = self.series(&scene, start)?;
+        let series = self.state.parameters.common.series(&scene, FIELD, start)?;
         let machinery = Machinery::new(Arc::clone(&scene), self.modes, series)?;
         let mut state = machinery.solver.initial_state(&conversion::initial_modes(&scene))?;
         state.time = start;
@@ -167,15 +168,6 @@ impl StructureComponent {
         self.state.progress = Some(Progress { scene, start, state, last: None });
         self.machinery = Some(machinery);
         Ok(())
-    }
-
-    fn series(&self, scene: &Scene, start: f64) -> Result<Option<Series>, Error> {
-        let Parameters { output_directory, output_interval, .. } = &self.state.parameters;
-        let interval = if *output_interval > 0.0 { *output_interval } else { scene.output.interval };
-        if output_directory.is_empty() || interval <= 0.0 {
-            return Ok(None);
-        }
-        Series::new(Path::new(output_directory), "structure", start, interval).map(Some)
     }
 
     fn advance(&mut self, time: f64, step: f64) -> Result<(), Failure> {
@@ -209,6 +201,16 @@ fn write_frame(series: &mut Option<Series>, number: u64, time: f64, frame: Frame
     match series {
         Some(series) => series.write(number, time, frame).map_err(|error| Failure::broken(error.to_string())),
         None => Ok(()),
+    }
+}
+
+impl HasSceneParameters for StructureComponent {
+    fn common(&self) -> &SceneParameters {
+        &self.state.parameters.common
+    }
+
+    fn common_mut(&mut self) -> &mut SceneParameters {
+        &mut self.state.parameters.common
     }
 }
 
@@ -272,7 +274,7 @@ impl Component for StructureComponent {
         let same_output = self.state.parameters == state.parameters;
         self.state = state.clone();
         if !(same_output && self.machinery.as_ref().is_some_and(fits)) {
-            let fresh = self.series(&progress.scene, progress.start);
+            let fresh = self.state.parameters.common.series(&progress.scene, FIELD, progress.start);
             let machinery = fresh.and_then(|series| Machinery::new(Arc::clone(&progress.scene), self.modes, series));
             self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
         }

@@ -1,7 +1,8 @@
 //! What follows from the scene and needs no saving: solver, scratch, field frames.
 
-use super::{PROBES, Parameters, REGIONS};
+use super::{PROBES, REGIONS};
 use crate::frames::{Field, Frame, Series, single, write_frame};
+use crate::parameters::SceneParameters;
 use crate::{Error, conversion};
 use fmi2::Failure;
 use scene::Scene;
@@ -17,7 +18,12 @@ pub(super) struct Machinery {
 }
 
 impl Machinery {
-    pub(super) fn new(scene: Arc<Scene>, modes: usize, parameters: &Parameters, start: f64) -> Result<Self, Error> {
+    pub(super) fn new(
+        scene: Arc<Scene>,
+        modes: usize,
+        parameters: &SceneParameters,
+        start: f64,
+    ) -> Result<Self, Error> {
         let (numbers, geometry) = conversion::fluid(&scene)?;
         let beam = scene.modes();
         within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
@@ -25,7 +31,7 @@ impl Machinery {
         within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;
         let walls = geometry.fixed_walls.clone();
         let solver = fluid::Solver::new(numbers, geometry)?;
-        let series = series(&scene, parameters, start)?;
+        let series = parameters.series(&scene, "particles", start)?;
         if series.is_some() {
             write_frame(&Path::new(&parameters.output_directory).join("walls.vtu"), outline(&walls))?;
         }
@@ -66,15 +72,6 @@ impl Machinery {
 
 fn within(what: &'static str, got: usize, limit: usize, hint: &'static str) -> Result<(), Error> {
     if got > limit { Err(Error::TooMany { what, got, limit, hint }) } else { Ok(()) }
-}
-
-fn series(scene: &Scene, parameters: &Parameters, start: f64) -> Result<Option<Series>, Error> {
-    let given = parameters.output_interval;
-    let interval = if given > 0.0 { given } else { scene.output.interval };
-    if parameters.output_directory.is_empty() || interval <= 0.0 {
-        return Ok(None);
-    }
-    Series::new(Path::new(&parameters.output_directory), "particles", start, interval).map(Some)
 }
 
 fn particles(state: &fluid::State) -> Frame {

@@ -1,6 +1,7 @@
 //! The fluid's table of variables.
 
 use super::{FluidComponent, PROBES, REGIONS};
+use crate::parameters::{output_rows, scene_rows};
 use crate::{ACCELERATION, LOAD, POSITION, interface, quantities};
 use fluid::Observables;
 use fmi2::{DefaultExperiment, Model, Reference, Variable};
@@ -53,23 +54,7 @@ fn motion_input(family: Reference, variable: Row) -> Row {
 }
 
 fn parameters() -> Vec<Row> {
-    vec![
-        Row::text_parameter(
-            1,
-            "scene",
-            "name of a packed scene, or the path of a scene file",
-            "dam_break_plate",
-            |this, _| this.state.parameters.scene.clone(),
-            |this, _, text| this.state.parameters.scene = text.to_string(),
-        ),
-        Row::text_parameter(
-            2,
-            "scene_overrides",
-            "changes to the scene: key.path=value; key.path=value",
-            "",
-            |this, _| this.state.parameters.overrides.clone(),
-            |this, _, text| this.state.parameters.overrides = text.to_string(),
-        ),
+    let own = [
         Row::real(3, "particle_spacing", "particle spacing; 0 takes the scene's", "Length", |this, _| {
             this.state.parameters.particle_spacing
         })
@@ -80,20 +65,8 @@ fn parameters() -> Vec<Row> {
         })
         .integer_parameter(0, |this, _, value| this.state.parameters.threads = value)
         .within(0.0, 1024.0),
-        Row::text_parameter(
-            5,
-            "output_directory",
-            "folder for field frames of the particles; empty writes none",
-            "",
-            |this, _| this.state.parameters.output_directory.clone(),
-            |this, _, text| this.state.parameters.output_directory = text.to_string(),
-        ),
-        Row::real(6, "output_interval", "time between field frames; 0 takes the scene's", "Duration", |this, _| {
-            this.state.parameters.output_interval
-        })
-        .real_parameter(0.0, |this, _, value| this.state.parameters.output_interval = value)
-        .within(0.0, f64::INFINITY),
-    ]
+    ];
+    scene_rows().into_iter().chain(own).chain(output_rows("particles")).collect()
 }
 
 /// A figure of the present state; 0 before initialisation.

@@ -1,6 +1,7 @@
 //! The structure's table of variables.
 
 use super::StructureComponent;
+use crate::parameters::{output_rows, scene_rows};
 use crate::{LOAD, interface, quantities};
 use fmi2::{DefaultExperiment, Model, Variable};
 
@@ -46,42 +47,13 @@ pub(super) fn model(modes: usize) -> Model<StructureComponent> {
 }
 
 fn parameters() -> Vec<Row> {
-    vec![
-        Row::text_parameter(
-            1,
-            "scene",
-            "name of a packed scene, or the path of a scene file",
-            "dam_break_plate",
-            |this, _| this.state.parameters.scene.clone(),
-            |this, _, text| this.state.parameters.scene = text.to_string(),
-        ),
-        Row::text_parameter(
-            2,
-            "scene_overrides",
-            "changes to the scene: key.path=value; key.path=value",
-            "",
-            |this, _| this.state.parameters.overrides.clone(),
-            |this, _, text| this.state.parameters.overrides = text.to_string(),
-        ),
-        Row::text_parameter(
-            5,
-            "output_directory",
-            "folder for field frames of the outline; empty writes none",
-            "",
-            |this, _| this.state.parameters.output_directory.clone(),
-            |this, _, text| this.state.parameters.output_directory = text.to_string(),
-        ),
-        Row::real(6, "output_interval", "time between field frames; 0 takes the scene's", "Duration", |this, _| {
-            this.state.parameters.output_interval
-        })
-        .real_parameter(0.0, |this, _, value| this.state.parameters.output_interval = value)
-        .within(0.0, f64::INFINITY),
-        Row::real(7, "youngs_modulus", "Young's modulus of the beam; 0 takes the scene's", "Pressure", |this, _| {
+    let own =
+        [Row::real(7, "youngs_modulus", "Young's modulus of the beam; 0 takes the scene's", "Pressure", |this, _| {
             this.state.parameters.youngs_modulus
         })
         .real_parameter(0.0, |this, _, value| this.state.parameters.youngs_modulus = value)
-        .within(0.0, f64::INFINITY),
-    ]
+        .within(0.0, f64::INFINITY)];
+    scene_rows().into_iter().chain(output_rows("outline")).chain(own).collect()
 }
 
 fn outputs() -> Vec<Row> {

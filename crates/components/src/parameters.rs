@@ -1,0 +1,91 @@
+//! The parameters that both FMUs have: which scene, and where field frames go.
+
+use crate::frames::Series;
+use crate::{Error, find_scene};
+use fmi2::Variable;
+use scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Zeros and empty texts mean "as the scene says".
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SceneParameters {
+    /// Name of a packed scene, or the path of a scene file.
+    pub scene: String,
+    /// Changes to the scene.
+    pub overrides: String,
+    /// Folder for field frames; empty writes none.
+    pub output_directory: String,
+    /// Time between field frames \[s\].
+    pub output_interval: f64,
+}
+
+/// A component with these parameters.
+pub trait HasSceneParameters {
+    /// To read.
+    fn common(&self) -> &SceneParameters;
+    /// To set.
+    fn common_mut(&mut self) -> &mut SceneParameters;
+}
+
+impl SceneParameters {
+    /// The scene with its overrides.
+    pub fn find_scene(&self, resources: Option<&Path>) -> Result<Scene, Error> {
+        find_scene(&self.scene, &self.overrides, resources)
+    }
+
+    /// The frames of `field`, when some are to be written.
+    pub fn series(&self, scene: &Scene, field: &'static str, start: f64) -> Result<Option<Series>, Error> {
+        let given = self.output_interval;
+        let interval = if given > 0.0 { given } else { scene.output.interval };
+        if self.output_directory.is_empty() || interval <= 0.0 {
+            return Ok(None);
+        }
+        Series::new(Path::new(&self.output_directory), field, start, interval).map(Some)
+    }
+}
+
+/// Rows of the table that choose the scene.
+pub fn scene_rows<C: HasSceneParameters>() -> [Variable<C>; 2] {
+    [
+        Variable::text_parameter(
+            1,
+            "scene",
+            "name of a packed scene, or the path of a scene file",
+            "dam_break_plate",
+            |this: &C, _| this.common().scene.clone(),
+            |this, _, text| this.common_mut().scene = text.to_string(),
+        ),
+        Variable::text_parameter(
+            2,
+            "scene_overrides",
+            "changes to the scene: key.path=value; key.path=value",
+            "",
+            |this: &C, _| this.common().overrides.clone(),
+            |this, _, text| this.common_mut().overrides = text.to_string(),
+        ),
+    ]
+}
+
+/// Rows of the table that direct the field frames of `what`.
+pub fn output_rows<C: HasSceneParameters>(what: &str) -> [Variable<C>; 2] {
+    [
+        Variable::text_parameter(
+            5,
+            "output_directory",
+            format!("folder for field frames of the {what}; empty writes none"),
+            "",
+            |this: &C, _| this.common().output_directory.clone(),
+            |this, _, text| this.common_mut().output_directory = text.to_string(),
+        ),
+        Variable::real(
+            6,
+            "output_interval",
+            "time between field frames; 0 takes the scene's",
+            "Duration",
+            |this: &C, _| this.common().output_interval,
+        )
+        .real_parameter(0.0, |this, _, value| this.common_mut().output_interval = value)
+        .within(0.0, f64::INFINITY),
+    ]
+}
