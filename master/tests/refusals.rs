@@ -121,3 +121,17 @@ fn cases_that_do_not_fit_their_fmu() {
     says(&with("end = 0.02", "end = -1"), &["run.end = -1"]);
     says(&with("end = 0.02", "end = inf"), &["run.end = inf"]);
 }
+
+/// A step that the fluid discards cannot be repeated shorter with a single FMU: the run ends, what it has stays.
+#[test]
+fn a_step_that_is_discarded_ends_the_run_as_failed() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let solve = "fluid.spacing=0.1; fluid.solve.maximum_iterations=1; fluid.solve.tolerance=1e-15";
+    let message = refused(&["run", "hydrostatic", "--out", out.to_str().unwrap(), "--set", solve]);
+    says(&message, &["step refused at t = 0 s", "pressure solve", "after 1 iterations", "1e-15"]);
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    says(&summary, &["\"status\": \"failed\"", "after 1 iterations", "\"particles lost\""]);
+    let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
+    assert_eq!(results.lines().count(), 2, "names and the start: {results}");
+}
