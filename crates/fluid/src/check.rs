@@ -1,7 +1,9 @@
-//! Whether a geometry can be simulated at all: checked once, with coordinates in every message.
+//! Whether a geometry can be simulated at all, and whether a step gave numbers: coordinates in every message.
 
 use crate::Error;
+use crate::grid::Grid;
 use crate::parameters::Geometry;
+use crate::state::State;
 use crate::walls::{FIXED, Segment, Walls};
 use nalgebra::Vector2;
 
@@ -54,4 +56,45 @@ pub fn fits_together(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Res
         }
     }
     Ok(())
+}
+
+/// Refuses bodies of water that overlap: particles of one among those of another.
+pub fn no_overlap(water: &[Vector2<f64>], spacing: f64) -> Result<(), Error> {
+    let mut grid = Grid::default();
+    grid.build(water, spacing);
+    for (i, point) in water.iter().enumerate() {
+        let mut nearest = f64::INFINITY;
+        grid.for_each_near(point, |j| {
+            if j != i {
+                nearest = nearest.min((water[j] - point).norm());
+            }
+        });
+        if nearest < 0.5 * spacing {
+            return Err(Error::Geometry {
+                what: format!("two particles near ({}, {})", point.x, point.y),
+                got: format!("{nearest} m apart"),
+                expected: format!("at least half a spacing, {} m; let bodies of water not overlap", 0.5 * spacing),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a state with a number that is not finite; `before` holds the positions before the step.
+pub fn all_finite(state: &State, before: &[Vector2<f64>]) -> Result<(), Error> {
+    let fail = |field, particle: usize| {
+        let place = before.get(particle).copied().unwrap_or_default();
+        Err(Error::NotFinite { field, particle, time: state.time, x: place.x, y: place.y })
+    };
+    let finite = |vector: &Vector2<f64>| vector.x.is_finite() && vector.y.is_finite();
+    if let Some(i) = state.positions.iter().position(|vector| !finite(vector)) {
+        return fail("position", i);
+    }
+    if let Some(i) = state.velocities.iter().position(|vector| !finite(vector)) {
+        return fail("velocity", i);
+    }
+    match state.pressures.iter().position(|pressure| !pressure.is_finite()) {
+        Some(i) => fail("pressure", i),
+        None => Ok(()),
+    }
 }

@@ -15,8 +15,9 @@
 
 use crate::kernel::Kernel;
 use crate::neighbours::Neighbour;
+use crate::panel_motion::PanelMotion;
 use crate::parallel::Lists;
-use crate::walls::{Attachment, FIXED, PanelMotion, Walls};
+use crate::walls::{Attachment, FIXED, Walls};
 use nalgebra::Vector2;
 
 /// Reflection in one wall.

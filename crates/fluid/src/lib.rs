@@ -7,11 +7,13 @@
 //! `Solver::step` is a function of (state, motion of the walls, duration) only and gives the same bits for any
 //! number of threads. All quantities are SI, per metre of width.
 
+mod candidates;
 mod check;
 mod error;
 mod fill;
 mod free_surface;
 mod grid;
+mod grid_level;
 pub mod images;
 mod kernel;
 mod load;
@@ -21,6 +23,7 @@ mod multigrid;
 mod neighbours;
 mod observe;
 pub mod operators;
+mod panel_motion;
 mod parallel;
 mod parameters;
 mod particles;

@@ -1,7 +1,8 @@
 //! Pressure on walls, and the load that it puts on the generalised coordinates.
 
 use crate::grid::Grid;
-use crate::walls::{FIXED, PanelMotion, Segment, Walls};
+use crate::panel_motion::PanelMotion;
+use crate::walls::{FIXED, Segment, Walls};
 use kinematics::{Body, MaterialPoint};
 use nalgebra::{DVector, Vector2};
 use rayon::prelude::*;

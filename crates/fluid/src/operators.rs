@@ -2,7 +2,7 @@
 
 use crate::kernel::Kernel;
 use crate::neighbours::Neighbourhood;
-use crate::walls::PanelMotion;
+use crate::panel_motion::PanelMotion;
 use nalgebra::Vector2;
 
 /// Number of space dimensions d.

@@ -11,11 +11,12 @@ use crate::motion::foretell;
 use crate::multigrid::Multigrid;
 use crate::neighbours::Neighbourhood;
 use crate::operators::{Density, Operators};
+use crate::panel_motion::PanelMotion;
 use crate::parallel::{self, Lists};
 use crate::parameters::{Geometry, PaperParameters, Parameters, Source};
 use crate::report::{StageTimes, Watch};
 use crate::state::State;
-use crate::walls::{Attachment, PanelMotion, WallLayout, Walls};
+use crate::walls::{Attachment, WallLayout, Walls};
 use kinematics::Motion;
 use nalgebra::Vector2;
 

@@ -9,6 +9,7 @@ use crate::load::{self, PressureField};
 use crate::matrix::NO_ROW;
 use crate::motion::interpolate;
 use crate::observe::{self, Observables};
+use crate::panel_motion::PanelMotion;
 use crate::parallel;
 use crate::parameters::{Geometry, Parameters, Scheme};
 use crate::particles;
@@ -17,7 +18,7 @@ use crate::pressure::ConjugateGradient;
 use crate::report::{Report, Watch};
 use crate::schedule::{Limits, next_step};
 use crate::state::State;
-use crate::walls::{PanelMotion, WallLayout, Walls};
+use crate::walls::{WallLayout, Walls};
 use kinematics::Motion;
 use nalgebra::Vector2;
 
@@ -84,6 +85,7 @@ impl Solver {
         let body = setting.geometry.body.as_ref().map(|body| (body, &rest.position));
         walls.place(&setting.layout, body, setting.kernel.radius, spacing);
         check::fits_together(&walls, &filling.positions, spacing)?;
+        check::no_overlap(&filling.positions, spacing)?;
         let corners = walls.segments.iter().flat_map(|segment| [segment.start, segment.end()]);
         let all: Vec<_> = corners.chain(filling.positions.iter().copied()).collect();
         let (low, high) = bounding_box(&all);
@@ -367,7 +369,7 @@ impl Solver {
             *value = density.number_density;
         }
         state.surface.copy_from_slice(&prepared.surface);
-        check_finite(state, &prepared.positions)?;
+        check::all_finite(state, &prepared.positions)?;
         state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
         state.motion.clone_from(&workspace.target);
         state.time_step = time_step;
@@ -384,21 +386,3 @@ const LONELY: f64 = 0.2;
 /// Share of its speed that such a particle counts with in the Courant number: it interacts with nothing, and needs only
 /// not to jump over walls, which see it from r_e on. A single fast drop would otherwise slow down all the water.
 const LONELY_SPEED: f64 = 0.3;
-
-fn check_finite(state: &State, before: &[Vector2<f64>]) -> Result<(), Error> {
-    let fail = |field, particle: usize| {
-        let place = before.get(particle).copied().unwrap_or_default();
-        Err(Error::NotFinite { field, particle, time: state.time, x: place.x, y: place.y })
-    };
-    let finite = |vector: &Vector2<f64>| vector.x.is_finite() && vector.y.is_finite();
-    if let Some(i) = state.positions.iter().position(|vector| !finite(vector)) {
-        return fail("position", i);
-    }
-    if let Some(i) = state.velocities.iter().position(|vector| !finite(vector)) {
-        return fail("velocity", i);
-    }
-    match state.pressures.iter().position(|pressure| !pressure.is_finite()) {
-        Some(i) => fail("pressure", i),
-        None => Ok(()),
-    }
-}

@@ -3,9 +3,9 @@
 //! A chain is a run of segments without a sharp corner. A particle near a chain is attached to it: it knows its
 //! distance, its place along the chain and the normal there. Everything that walls do is expressed with attachments.
 
-use crate::grid::bounding_box;
+use crate::candidates::CandidateCells;
 use crate::parameters::Geometry;
-use kinematics::{Body, MaterialPoint, Motion};
+use kinematics::{Body, MaterialPoint};
 use nalgebra::{DVector, Vector2};
 
 /// Cosine of the largest kink inside a chain (30 degrees); a larger one starts a new chain.
@@ -300,115 +300,4 @@ impl Walls {
 /// Whether two segments cross each other.
 fn crosses(a: &Segment, b: &Segment) -> bool {
     a.is_crossed(&b.start, &b.end()) && b.is_crossed(&a.start, &a.end())
-}
-
-/// Which segments may be near a place.
-#[derive(Debug, Clone, Default)]
-struct CandidateCells {
-    origin: Vector2<f64>,
-    inverse_size: f64,
-    columns: usize,
-    rows: usize,
-    starts: Vec<u32>,
-    members: Vec<u32>,
-}
-
-impl CandidateCells {
-    fn build(&mut self, segments: &[Segment], radius: f64) {
-        let corners: Vec<_> = segments.iter().flat_map(|segment| [segment.start, segment.end()]).collect();
-        let (low, high) = bounding_box(&corners);
-        let size = radius;
-        self.origin = low.add_scalar(-2.0 * radius);
-        self.inverse_size = 1.0 / size;
-        self.columns = ((high.x - low.x + 4.0 * radius) / size) as usize + 1;
-        self.rows = ((high.y - low.y + 4.0 * radius) / size) as usize + 1;
-        let mut entries = Vec::new();
-        for (index, segment) in segments.iter().enumerate() {
-            self.mark(segment, radius, |cell| entries.push((cell as u32, index as u32)));
-        }
-        entries.sort_unstable();
-        self.starts.clear();
-        self.starts.resize(self.columns * self.rows + 1, 0);
-        self.members.clear();
-        for (cell, segment) in entries {
-            self.starts[cell as usize + 1] += 1;
-            self.members.push(segment);
-        }
-        for cell in 1..self.starts.len() {
-            self.starts[cell] += self.starts[cell - 1];
-        }
-    }
-
-    fn mark(&self, segment: &Segment, radius: f64, mut enter: impl FnMut(usize)) {
-        let size = 1.0 / self.inverse_size;
-        let reach = radius + 0.75 * size;
-        let index = |value: f64| (value * self.inverse_size).floor().max(0.0) as usize;
-        let low = segment.start.inf(&segment.end()) - self.origin;
-        let high = segment.start.sup(&segment.end()) - self.origin;
-        for row in index(low.y - reach)..=index(high.y + reach).min(self.rows - 1) {
-            for column in index(low.x - reach)..=index(high.x + reach).min(self.columns - 1) {
-                let centre = self.origin + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * size;
-                if segment.squared_distance(&centre) < reach * reach {
-                    enter(row * self.columns + column);
-                }
-            }
-        }
-    }
-
-    fn of(&self, point: &Vector2<f64>) -> &[u32] {
-        let relative = (point - self.origin) * self.inverse_size;
-        let inside = relative.x >= 0.0 && relative.y >= 0.0;
-        let (column, row) = (relative.x as usize, relative.y as usize);
-        if !inside || column >= self.columns || row >= self.rows {
-            return &[];
-        }
-        let cell = row * self.columns + column;
-        &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize]
-    }
-}
-
-/// Velocity of both ends of every moving panel at the start of an internal step, and its mean acceleration over it.
-#[derive(Debug, Clone, Default)]
-pub struct PanelMotion {
-    velocity: Vec<[Vector2<f64>; 2]>,
-    acceleration: Vec<[Vector2<f64>; 2]>,
-}
-
-impl PanelMotion {
-    /// Velocities at the start of the step, from the body's motion there.
-    pub fn set_start(&mut self, panels: &[[MaterialPoint; 2]], body: &Body, start: &Motion) {
-        self.velocity.clear();
-        self.velocity.extend(panels.iter().map(|ends| ends.map(|point| body.velocity(point, start))));
-    }
-
-    /// Mean accelerations over the step: `end` carries the frozen coordinates and the velocities at the end. They are
-    /// affine in those velocities, which is what makes the load affine in the acceleration.
-    pub fn set_end(&mut self, panels: &[[MaterialPoint; 2]], body: &Body, end: &Motion, time_step: f64) {
-        self.acceleration.clear();
-        for (ends, velocity) in panels.iter().zip(&self.velocity) {
-            let at = |k: usize| (body.velocity(ends[k], end) - velocity[k]) / time_step;
-            self.acceleration.push([at(0), at(1)]);
-        }
-    }
-
-    /// Velocity of a wall point at the start of the step \[m/s\].
-    #[inline]
-    pub fn velocity(&self, panel: u32, fraction: f64) -> Vector2<f64> {
-        interpolate(&self.velocity, panel, fraction)
-    }
-
-    /// Mean acceleration of a wall point over the step \[m/s2\].
-    #[inline]
-    pub fn acceleration(&self, panel: u32, fraction: f64) -> Vector2<f64> {
-        interpolate(&self.acceleration, panel, fraction)
-    }
-}
-
-#[inline]
-fn interpolate(values: &[[Vector2<f64>; 2]], panel: u32, fraction: f64) -> Vector2<f64> {
-    if panel == FIXED {
-        return Vector2::zeros();
-    }
-    let ends = &values[panel as usize];
-    ends[0] + (ends[1] - ends[0]) * fraction
 }

@@ -40,3 +40,14 @@ fn still_water_stays_in_and_throws_nothing_out() {
     let level = solver.observe(&state).centre.y / 0.25 - 1.0;
     assert!(level.abs() < 0.02, "centre of mass moved by {level} of its height");
 }
+
+#[test]
+fn overlapping_water_is_refused_with_the_place() {
+    let geometry = Geometry {
+        water: vec![rectangle(0.0, 0.0, 0.5, 0.5), rectangle(0.4, 0.0, 1.0, 0.5)],
+        fixed_walls: vec![tank(1.0, 0.8)],
+        ..Geometry::default()
+    };
+    let error = Solver::new(parameters(0.02, 1e-3, 1), geometry).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("two particles near") && error.contains("overlap"), "{error}");
+}
