@@ -53,7 +53,7 @@ impl Outcome {
     /// The coupling part of the summary.
     pub fn coupling(&self, case: &Case) -> CouplingSummary {
         CouplingSummary {
-            method: method_name(case.coupling.method).to_string(),
+            method: if case.connection.is_empty() { "none" } else { method_name(case.coupling.method) }.to_string(),
             mean_iterations: self.counts.mean(),
             maximum_iterations: self.counts.maximum,
             rollbacks: self.counts.rollbacks,

@@ -168,6 +168,11 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_without_scheme_parameters_gets_the_solvers_defaults() {
+        assert_eq!(paper(&scene::Paper::default()), fluid::PaperParameters::default());
+    }
+
+    #[test]
     fn missing_entries_are_filled_and_freedoms_are_in_order() {
         let parameters = structure(&scene(SCENE)).unwrap();
         assert_eq!(parameters.free, [false, true, true]);

@@ -2,7 +2,7 @@
 //!
 //! Prints a line of figures per hundredth of the run: water at rest in a tank, or a collapsing column.
 
-use fluid::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters, Solver, Source};
+use fluid::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters, Solver};
 use kinematics::Motion;
 use nalgebra::Vector2;
 
@@ -21,22 +21,11 @@ fn geometry(case: &str) -> Geometry {
 }
 
 fn parameters(spacing: f64) -> Parameters {
-    let paper = PaperParameters {
-        influence_radius: 3.1,
-        alpha: 0.01,
-        source: Source::Mixed,
-        courant: 0.2,
-        shifting: 0.03,
-        tension: false,
-        collision_distance: 0.85,
-        restitution: 0.2,
-        surface_deviation: 0.2,
-    };
     Parameters {
         density: 1000.0,
         gravity: Vector2::new(0.0, -9.81),
         spacing,
-        scheme: Scheme::Paper(paper),
+        scheme: Scheme::Paper(PaperParameters::default()),
         solve: SolveParameters { tolerance: 1e-3, maximum_iterations: 500 },
         threads: 0,
     }

@@ -63,6 +63,22 @@ pub struct PaperParameters {
     pub surface_deviation: f64,
 }
 
+impl Default for PaperParameters {
+    fn default() -> Self {
+        Self {
+            influence_radius: 3.1,
+            alpha: 0.01,
+            source: Source::Mixed,
+            courant: 0.2,
+            shifting: 0.03,
+            tension: false,
+            collision_distance: 0.85,
+            restitution: 0.2,
+            surface_deviation: 0.2,
+        }
+    }
+}
+
 /// Parameters of the pressure solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveParameters {

@@ -44,7 +44,8 @@ fn hydrostatic_slope_is_exact_and_level_of_first_order() {
         ..Geometry::default()
     };
     let mut parameters = parameters(0.02, 1e-10, 1);
-    parameters.scheme = fluid::Scheme::Paper(fluid::PaperParameters { alpha: 0.0, ..common::paper() });
+    parameters.scheme =
+        fluid::Scheme::Paper(fluid::PaperParameters { alpha: 0.0, ..fluid::PaperParameters::default() });
     let solver = Solver::new(parameters, geometry).unwrap();
     let mut state = solver.initial_state();
     solver.step(&mut state, &Motion::at_rest(0), 1e-4, &mut solver.workspace()).unwrap();

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use fluid::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters, Source};
+use fluid::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters};
 use kinematics::{Beam, BeamModes, Body, Support};
 use nalgebra::Vector2;
 
@@ -14,26 +14,12 @@ pub fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Vector2<f64>> {
     points(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
 }
 
-pub fn paper() -> PaperParameters {
-    PaperParameters {
-        influence_radius: 3.1,
-        alpha: 0.01,
-        source: Source::Mixed,
-        courant: 0.2,
-        shifting: 0.03,
-        tension: false,
-        collision_distance: 0.85,
-        restitution: 0.2,
-        surface_deviation: 0.2,
-    }
-}
-
 pub fn parameters(spacing: f64, tolerance: f64, threads: usize) -> Parameters {
     Parameters {
         density: 1000.0,
         gravity: Vector2::new(0.0, -9.81),
         spacing,
-        scheme: Scheme::Paper(paper()),
+        scheme: Scheme::Paper(PaperParameters::default()),
         solve: SolveParameters { tolerance, maximum_iterations: 500 },
         threads,
     }
