@@ -83,6 +83,18 @@ fn write_scene(folder: &Path, text: &str) -> PathBuf {
 }
 
 #[test]
+fn programs_that_pack_into_one_folder_at_once_do_not_disturb_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmus = folder.path().join("fmus");
+    let pack = || program().arg("pack").arg("--out").arg(&fmus).stdout(Stdio::null()).spawn().unwrap();
+    let mut children: Vec<_> = (0..4).map(|_| pack()).collect();
+    assert!(children.iter_mut().all(|child| child.wait().unwrap().success()));
+    let mut names: Vec<_> = std::fs::read_dir(&fmus).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["fluid.fmu", "structure.fmu"], "whole archives and nothing else");
+}
+
+#[test]
 fn an_interrupted_run_leaves_whole_files() {
     let folder = tempfile::tempdir().unwrap();
     let scene = write_scene(folder.path(), &SCENE.replace("end = 0.02", "end = 1000.0"));

@@ -128,11 +128,12 @@ fn zipped(mut entries: Vec<(String, Vec<u8>)>) -> zip::result::ZipResult<Vec<u8>
     Ok(archive.finish()?.into_inner())
 }
 
-/// Writes the file unless it has this content already. The file appears whole or not at all.
+/// Writes the file unless it has this content already. The file appears whole or not at all, also when several
+/// programs pack into one folder at once: each writes under a name of its own first.
 fn write(path: &Path, content: &[u8]) -> Result<Packed, Error> {
     let written = std::fs::read(path).ok().as_deref() != Some(content);
     if written {
-        let part = path.with_extension("part");
+        let part = path.with_extension(format!("{}.part", std::process::id()));
         std::fs::write(&part, content).map_err(|error| Error::file(&part, error))?;
         std::fs::rename(&part, path).map_err(|error| Error::file(path, error))?;
     }
