@@ -17,7 +17,7 @@ use crate::kernel::Kernel;
 use crate::neighbours::Neighbour;
 use crate::panel_motion::PanelMotion;
 use crate::parallel::Lists;
-use crate::walls::{Attachment, FIXED, Walls};
+use crate::walls::{Attachment, Walls};
 use nalgebra::Vector2;
 
 /// Reflection in one wall.
@@ -75,11 +75,6 @@ impl Image {
             rise += (gravity - wall).dot(&mirror.normal) * mirror.offset;
         }
         rise
-    }
-
-    /// Whether the pressure of this image depends on the motion of the body.
-    pub fn is_moving(&self) -> bool {
-        self.mirrors().iter().any(|mirror| mirror.panel != FIXED)
     }
 }
 

@@ -45,9 +45,7 @@ pub fn shift(state: &mut State, prepared: &Prepared, setting: &Setting, time_ste
         let travel = velocities[i].norm() * time_step / (setting.paper.courant * setting.spacing);
         operators.crowding(i) * (-setting.paper.shifting * setting.spacing * travel.min(1.0))
     });
-    for (position, change) in state.positions.iter_mut().zip(scratch.iter()) {
-        *position += change;
-    }
+    add(&mut state.positions, scratch);
 }
 
 /// Collisions of pairs nearer than the collision distance: equal masses, coefficient of restitution e.
@@ -74,9 +72,7 @@ pub fn collide(state: &mut State, prepared: &Prepared, setting: &Setting, scratc
         }
         change
     });
-    for (velocity, change) in state.velocities.iter_mut().zip(scratch.iter()) {
-        *velocity += change;
-    }
+    add(&mut state.velocities, scratch);
 }
 
 /// Moves pairs apart that are nearer than 0.6 spacings, by a tenth of what is missing, half each.
@@ -97,9 +93,11 @@ pub fn separate(state: &mut State, prepared: &Prepared, setting: &Setting, scrat
         }
         change
     });
-    for (position, change) in state.positions.iter_mut().zip(scratch.iter()) {
-        *position += change;
-    }
+    add(&mut state.positions, scratch);
+}
+
+fn add(values: &mut [Vector2<f64>], changes: &[Vector2<f64>]) {
+    values.iter_mut().zip(changes).for_each(|(value, change)| *value += change);
 }
 
 /// Keeps particles in front of the walls where these stand at the end of the step; returns the number of contacts.
