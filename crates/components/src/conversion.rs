@@ -108,10 +108,13 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         body: body(scene)?,
         probes: part.probe.iter().flat_map(|probe| vectors(&probe.points())).collect(),
         regions: part.region.iter().map(|region| vectors(&region.polygon)).collect(),
+        ..fluid::Geometry::default()
     };
     let parameters = fluid::Parameters {
         density: part.density,
         gravity: vector(scene.gravity),
+        attraction: 0.0,
+        shaking: fluid::Shaking::default(),
         spacing: part.spacing,
         scheme: match part.scheme {
             scene::Scheme::Paper => fluid::Scheme::Paper(paper(&part.paper)),

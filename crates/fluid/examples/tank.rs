@@ -2,7 +2,7 @@
 //!
 //! Prints a line of figures per hundredth of the run: water at rest in a tank, or a collapsing column.
 
-use fluid::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters, Solver};
+use fluid::{Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters, Solver};
 use kinematics::Motion;
 use nalgebra::Vector2;
 
@@ -24,6 +24,8 @@ fn parameters(spacing: f64) -> Parameters {
     Parameters {
         density: 1000.0,
         gravity: Vector2::new(0.0, -9.81),
+        attraction: 0.0,
+        shaking: Shaking::default(),
         spacing,
         scheme: Scheme::Paper(PaperParameters::default()),
         solve: SolveParameters { tolerance: 1e-3, maximum_iterations: 500 },

@@ -40,7 +40,7 @@ pub use images::{Image, Mirror};
 pub use kernel::Kernel;
 pub use neighbours::Neighbourhood;
 pub use observe::Observables;
-pub use parameters::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters, Source};
+pub use parameters::{AffineVelocity, Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters, Source};
 pub use report::{Report, StageTimes};
 pub use solver::{Solver, Workspace};
 pub use state::State;

@@ -2,6 +2,7 @@
 
 use crate::grid::Grid;
 use crate::panel_motion::PanelMotion;
+use crate::parameters::Parameters;
 use crate::walls::{FIXED, Segment, Walls};
 use kinematics::{Body, MaterialPoint};
 use nalgebra::{DVector, Vector2};
@@ -19,10 +20,10 @@ pub struct PressureField<'a> {
     pub positions: &'a [Vector2<f64>],
     /// Pressures \[Pa\].
     pub pressures: &'a [f64],
-    /// Density \[kg/m3\].
-    pub density: f64,
-    /// Gravity \[m/s2\].
-    pub gravity: Vector2<f64>,
+    /// Density and body force.
+    pub parameters: &'a Parameters,
+    /// Time of the body force \[s\].
+    pub time: f64,
     /// Particle spacing \[m\].
     pub spacing: f64,
     /// Walls that hide particles.
@@ -33,7 +34,7 @@ impl PressureField<'_> {
     /// Pressure at a wall point with normal `normal` into the solid and acceleration `acceleration`:
     /// sum w (p_j + rho ((g - a).n) d_j) / sum w over the particles in front, d_j their distance from the wall.
     pub fn at_wall(&self, point: &Vector2<f64>, normal: &Vector2<f64>, acceleration: &Vector2<f64>) -> f64 {
-        let slope = self.density * (self.gravity - acceleration).dot(normal);
+        let slope = self.parameters.density * (self.parameters.body_force(point, self.time) - acceleration).dot(normal);
         let front = point - normal * (0.01 * self.spacing);
         self.average(&front, |j| {
             let distance = -normal.dot(&(self.positions[j] - point));
@@ -43,7 +44,8 @@ impl PressureField<'_> {
 
     /// Pressure at a point in the water: sum w (p_j + rho g.(x - r_j)) / sum w.
     pub fn at_point(&self, point: &Vector2<f64>) -> f64 {
-        self.average(point, |j| Some(self.pressures[j] + self.density * self.gravity.dot(&(point - self.positions[j]))))
+        let force = self.parameters.body_force(point, self.time) * self.parameters.density;
+        self.average(point, |j| Some(self.pressures[j] + force.dot(&(point - self.positions[j]))))
     }
 
     fn average(&self, point: &Vector2<f64>, value: impl Fn(usize) -> Option<f64>) -> f64 {

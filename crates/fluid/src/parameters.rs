@@ -2,7 +2,7 @@
 
 use crate::Error;
 use kinematics::Body;
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 
 /// Numbers and methods.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +11,10 @@ pub struct Parameters {
     pub density: f64,
     /// Gravity \[m/s2\].
     pub gravity: Vector2<f64>,
+    /// Attraction to the origin: an acceleration of minus this times the position \[1/s2\].
+    pub attraction: f64,
+    /// Shaking of the whole scene, seen from a frame that moves with it.
+    pub shaking: Shaking,
     /// Particle spacing l0 \[m\].
     pub spacing: f64,
     /// Discretisation.
@@ -19,6 +23,30 @@ pub struct Parameters {
     pub solve: SolveParameters,
     /// Threads of the solver's own pool; 0 takes all processors.
     pub threads: usize,
+}
+
+/// Displacement `amplitude` cos(2 pi t / `period`) of tank and frame from t = 0 on: water feels the acceleration
+/// `amplitude` (2 pi / `period`)^2 cos(2 pi t / `period`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shaking {
+    /// Amplitude \[m\]; zero for none.
+    pub amplitude: Vector2<f64>,
+    /// Period \[s\], above 0.
+    pub period: f64,
+}
+
+impl Default for Shaking {
+    fn default() -> Self {
+        Self { amplitude: Vector2::zeros(), period: 1.0 }
+    }
+}
+
+impl Shaking {
+    /// Acceleration of the water in the moving frame at a time \[m/s2\].
+    pub fn acceleration(&self, time: f64) -> Vector2<f64> {
+        let frequency = std::f64::consts::TAU / self.period;
+        self.amplitude * (frequency * frequency * (frequency * time).cos())
+    }
 }
 
 /// Discretisation.
@@ -93,6 +121,8 @@ pub struct SolveParameters {
 pub struct Geometry {
     /// Bodies of water at the start, closed polygons.
     pub water: Vec<Vec<Vector2<f64>>>,
+    /// Velocity of the water at the start, affine in the place.
+    pub start: AffineVelocity,
     /// Fixed walls, fluid on the left when walked along.
     pub fixed_walls: Vec<Vec<Vector2<f64>>>,
     /// The moving body.
@@ -101,6 +131,24 @@ pub struct Geometry {
     pub probes: Vec<Vector2<f64>>,
     /// Regions whose water mass is reported, closed polygons.
     pub regions: Vec<Vec<Vector2<f64>>>,
+    /// Abscissae where the water level is reported \[m\].
+    pub gauges: Vec<f64>,
+}
+
+/// A velocity field u(r) = `constant` + `gradient` r.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AffineVelocity {
+    /// Velocity at the origin \[m/s\].
+    pub constant: Vector2<f64>,
+    /// d u_a / d x_b \[1/s\].
+    pub gradient: Matrix2<f64>,
+}
+
+impl AffineVelocity {
+    /// Velocity at a place \[m/s\].
+    pub fn at(&self, place: &Vector2<f64>) -> Vector2<f64> {
+        self.constant + self.gradient * place
+    }
 }
 
 fn within(name: &'static str, got: f64, low: f64, high: f64) -> Result<(), Error> {
@@ -111,12 +159,31 @@ fn within(name: &'static str, got: f64, low: f64, high: f64) -> Result<(), Error
 }
 
 impl Parameters {
+    /// Body force per mass at a place and time: gravity, attraction and shaking \[m/s2\].
+    #[inline]
+    pub fn body_force(&self, place: &Vector2<f64>, time: f64) -> Vector2<f64> {
+        self.uniform_force(time) - place * self.attraction
+    }
+
+    /// The part of the body force that is the same everywhere \[m/s2\].
+    #[inline]
+    pub fn uniform_force(&self, time: f64) -> Vector2<f64> {
+        if self.shaking.amplitude == Vector2::zeros() {
+            return self.gravity;
+        }
+        self.gravity + self.shaking.acceleration(time)
+    }
+
     /// Checks every number against its range.
     pub fn validate(&self) -> Result<(), Error> {
         within("density", self.density, f64::MIN_POSITIVE, f64::MAX)?;
         within("spacing", self.spacing, f64::MIN_POSITIVE, f64::MAX)?;
         within("gravity.x", self.gravity.x, -1e6, 1e6)?;
         within("gravity.y", self.gravity.y, -1e6, 1e6)?;
+        within("attraction", self.attraction, -1e6, 1e6)?;
+        within("shaking.amplitude.x", self.shaking.amplitude.x, -1e6, 1e6)?;
+        within("shaking.amplitude.y", self.shaking.amplitude.y, -1e6, 1e6)?;
+        within("shaking.period", self.shaking.period, 1e-6, 1e9)?;
         within("solve.tolerance", self.solve.tolerance, 1e-15, 0.1)?;
         within("solve.maximum_iterations", self.solve.maximum_iterations as f64, 1.0, 1e9)?;
         match &self.scheme {

@@ -23,9 +23,9 @@ pub fn correct(
     parallel::fill(scratch, |i| {
         operators.pressure_gradient(i, pressure, |image| prepared.rise(setting, image)) * (-time_step / density)
     });
-    let gravity = setting.parameters.gravity * time_step;
     for (i, change) in scratch.iter().enumerate() {
-        state.velocities[i] += gravity + change;
+        let force = setting.parameters.body_force(&state.positions[i], prepared.time);
+        state.velocities[i] += force * time_step + change;
         state.positions[i] = prepared.positions[i] + change * time_step;
     }
 }

@@ -54,6 +54,8 @@ pub struct Pace {
 #[derive(Debug, Clone)]
 pub struct Prepared {
     key: Option<(u64, u64)>,
+    /// Time at the start of the step \[s\].
+    pub time: f64,
     /// Foretold coordinates of the body, where walls stand during the step.
     pub foretold: Motion,
     /// Walls at those coordinates.
@@ -86,6 +88,7 @@ impl Prepared {
     pub fn new(modes: usize) -> Self {
         Self {
             key: None,
+            time: 0.0,
             foretold: Motion::at_rest(modes),
             walls: Walls::default(),
             walls_placed: false,
@@ -151,9 +154,13 @@ impl Prepared {
 
     /// Predictor: u* = u + g dt, r* = r + u* dt, stopping at walls.
     fn predict(&mut self, setting: &Setting, state: &State, time_step: f64) {
-        let fall = setting.parameters.gravity * (time_step * time_step);
+        let parameters = &setting.parameters;
+        self.time = state.time;
         self.positions.resize(state.positions.len(), Vector2::zeros());
-        parallel::fill(&mut self.positions, |i| state.positions[i] + state.velocities[i] * time_step + fall);
+        parallel::fill(&mut self.positions, |i| {
+            let force = parameters.body_force(&state.positions[i], state.time);
+            state.positions[i] + state.velocities[i] * time_step + force * (time_step * time_step)
+        });
         let walls = &self.walls;
         let least = 0.05 * setting.spacing;
         let mut positions = std::mem::take(&mut self.positions);
@@ -231,7 +238,8 @@ impl Prepared {
 
     /// Pressure of an image above that of its particle \[Pa\].
     pub fn rise(&self, setting: &Setting, image: &images::Image) -> f64 {
-        setting.parameters.density * image.pressure_rise(&setting.parameters.gravity, &self.panels)
+        let force = setting.parameters.body_force(&self.positions[image.neighbour as usize], self.time);
+        setting.parameters.density * image.pressure_rise(&force, &self.panels)
     }
 }
 

@@ -115,7 +115,7 @@ impl Solver {
             motion: Motion::at_rest(modes),
             load: vec![0.0; kinematics::RIGID + modes],
             positions: self.start.clone(),
-            velocities: vec![Vector2::zeros(); count],
+            velocities: self.start.iter().map(|place| self.setting.geometry.start.at(place)).collect(),
             pressures: vec![0.0; count],
             number_densities: vec![self.setting.kernel.reference_density; count],
             surface: vec![false; count],
@@ -222,7 +222,10 @@ impl Solver {
             let share = if state.number_densities[i] < lonely { LONELY_SPEED } else { 1.0 };
             state.velocities[i].norm() * share
         });
-        let mut acceleration = self.setting.parameters.gravity.norm();
+        let parameters = &self.setting.parameters;
+        let mut acceleration = parallel::maximum(state.positions.len(), parameters.gravity.norm(), |i| {
+            parameters.body_force(&state.positions[i], state.time).norm()
+        });
         if let Some(body) = &self.setting.geometry.body {
             for point in self.setting.layout.panels.iter().flatten() {
                 speed = speed.max(body.velocity(*point, &state.motion).norm());
@@ -352,8 +355,8 @@ impl Solver {
             grid: &prepared.around.grid,
             positions: &prepared.positions,
             pressures: &state.pressures,
-            density: self.setting.parameters.density,
-            gravity: self.setting.parameters.gravity,
+            parameters: &self.setting.parameters,
+            time: prepared.time,
             spacing: self.setting.spacing,
             walls: &prepared.walls,
         };

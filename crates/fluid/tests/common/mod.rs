@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use fluid::{Geometry, PaperParameters, Parameters, Scheme, SolveParameters};
+use fluid::{Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters};
 use kinematics::{Beam, BeamModes, Body, Support};
 use nalgebra::Vector2;
 
@@ -18,6 +18,8 @@ pub fn parameters(spacing: f64, tolerance: f64, threads: usize) -> Parameters {
     Parameters {
         density: 1000.0,
         gravity: Vector2::new(0.0, -9.81),
+        attraction: 0.0,
+        shaking: Shaking::default(),
         spacing,
         scheme: Scheme::Paper(PaperParameters::default()),
         solve: SolveParameters { tolerance, maximum_iterations: 500 },
@@ -48,6 +50,6 @@ pub fn dam_break_plate() -> Geometry {
         fixed_walls: vec![tank(0.584, 0.8)],
         body: Some(plate(0.292, 0.08, 0.012, 2)),
         probes: vec![Vector2::new(0.285, 0.01)],
-        regions: Vec::new(),
+        ..Geometry::default()
     }
 }
