@@ -2,7 +2,7 @@
 //! names, for the degrees of freedom that the scene has.
 
 use crate::case::{Case, Connection, Fmu};
-use components::{MAXIMUM_MODES, PROBES, REGIONS};
+use components::{GAUGES, MAXIMUM_MODES, PROBES, REGIONS};
 use scene::{Freedom, Scene};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -132,6 +132,8 @@ fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
     let regions = scene.fluid.as_ref().map_or(0, |fluid| fluid.region.len());
     let mut names: Vec<String> = (probes + 1..=PROBES).map(|i| format!("{FLUID}.probe.pressure[{i}]")).collect();
     names.extend((regions + 1..=REGIONS).map(|i| format!("{FLUID}.region.mass[{i}]")));
+    let gauges = scene.fluid.as_ref().map_or(0, |fluid| fluid.gauge.len());
+    names.extend((gauges + 1..=GAUGES).map(|i| format!("{FLUID}.level[{i}]")));
     let all = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MAXIMUM_MODES).map(mode));
     for freedom in all.filter(|freedom| !freedoms.contains(freedom)) {
         let (motion, load) = variables(&freedom);
@@ -154,7 +156,9 @@ fn labels(scene: &Scene) -> BTreeMap<String, String> {
     let probes = point_names.enumerate().map(|(i, name)| (format!("{FLUID}.probe.pressure[{}]", i + 1), name));
     let regions = fluid.region.iter().enumerate();
     let regions = regions.map(|(i, region)| (format!("{FLUID}.region.mass[{}]", i + 1), region.name.clone()));
-    probes.chain(regions).collect()
+    let gauges = fluid.gauge.iter().enumerate();
+    let gauges = gauges.map(|(i, gauge)| (format!("{FLUID}.level[{}]", i + 1), gauge.name.clone()));
+    probes.chain(regions).chain(gauges).collect()
 }
 
 /// Whether the text of a file is a case rather than a scene.

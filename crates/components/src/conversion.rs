@@ -2,7 +2,7 @@
 
 use crate::Error;
 use kinematics::{BeamModes, Body};
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 use scene::{Beam, Freedom, Point, Scene, Structure, Wall};
 
 fn vector(point: Point) -> Vector2<f64> {
@@ -102,19 +102,28 @@ fn integrator(structure: &Structure) -> structure::Integrator {
 pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Error> {
     let missing = || Error::MissingPart { title: scene.title.clone(), part: "fluid" };
     let part = scene.fluid.as_ref().ok_or_else(missing)?;
+    let shaking = fluid::Shaking { amplitude: vector(part.shaking.amplitude), period: part.shaking.period };
+    if shaking.amplitude != Vector2::zeros() && scene.structure.is_some() {
+        return Err(Error::Value {
+            key: "fluid.shaking.amplitude".to_string(),
+            got: format!("{:?}", part.shaking.amplitude),
+            expected: "[0.0, 0.0] in a scene with a structure: only water would feel the shaking".to_string(),
+        });
+    }
     let geometry = fluid::Geometry {
         water: part.water.iter().map(|water| vectors(&water.polygon)).collect(),
         fixed_walls: part.wall.iter().map(polyline).collect(),
         body: body(scene)?,
         probes: part.probe.iter().flat_map(|probe| vectors(&probe.points())).collect(),
         regions: part.region.iter().map(|region| vectors(&region.polygon)).collect(),
-        ..fluid::Geometry::default()
+        start: start(&part.start),
+        gauges: part.gauge.iter().map(|gauge| gauge.x).collect(),
     };
     let parameters = fluid::Parameters {
         density: part.density,
         gravity: vector(scene.gravity),
-        attraction: 0.0,
-        shaking: fluid::Shaking::default(),
+        attraction: part.attraction,
+        shaking,
         spacing: part.spacing,
         scheme: match part.scheme {
             scene::Scheme::Paper => fluid::Scheme::Paper(paper(&part.paper)),
@@ -126,6 +135,11 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         threads: part.threads,
     };
     Ok((parameters, geometry))
+}
+
+fn start(start: &scene::Start) -> fluid::AffineVelocity {
+    let gradient = Matrix2::from_row_slice(start.gradient.as_flattened());
+    fluid::AffineVelocity { constant: vector(start.velocity), gradient }
 }
 
 /// Free flow needs 1e-3 only; the loads on a body that answers to them must be as good as the coupling's tolerance.
@@ -196,6 +210,24 @@ mod tests {
         assert_eq!(geometry.probes.len(), 3);
         assert_eq!(geometry.body.unwrap().modes(), 3);
         assert_eq!(parameters.solve.tolerance, 1e-8, "loads on a moving body need it");
+    }
+
+    #[test]
+    fn water_starts_in_motion_and_is_forced() {
+        let text = &SCENE[..SCENE.find("[structure]").unwrap()];
+        let forced = format!(
+            "{text}attraction = 4.0\ngauge = [{{ name = 'g', x = 0.3 }}]\nstart = {{ velocity = [1.0, 2.0], \
+             gradient = [[0.0, -3.0], [5.0, 0.0]] }}\nshaking = {{ amplitude = [0.1, 0.0], period = 2.0 }}\n"
+        );
+        let (parameters, geometry) = fluid(&scene(&forced)).unwrap();
+        // u = 1 - 3 y, v = 2 + 5 x at (1, 1).
+        assert_eq!(geometry.start.at(&Vector2::new(1.0, 1.0)), Vector2::new(-2.0, 7.0));
+        assert_eq!((parameters.attraction, geometry.gauges.as_slice()), (4.0, &[0.3][..]));
+        // At t = 0 the force is 0.1 (2 pi / 2)^2 along X, besides gravity.
+        let force = parameters.uniform_force(0.0) - Vector2::new(0.1 * std::f64::consts::PI.powi(2), -9.81);
+        assert!(force.norm() < 1e-12, "{force:?}");
+        let shaken = SCENE.replace("[structure]\n", "shaking = { amplitude = [0.1, 0.0] }\n[structure]\n");
+        assert!(fluid(&scene(&shaken)).unwrap_err().to_string().contains("fluid.shaking.amplitude = [0.1, 0.0]"));
     }
 
     #[test]

@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 /// Probe points that the interface carries.
 pub const PROBES: usize = 16;
+/// Level gauges that the interface carries.
+pub const GAUGES: usize = 8;
 /// Regions that the interface carries.
 pub const REGIONS: usize = 4;
 

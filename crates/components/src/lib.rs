@@ -15,7 +15,7 @@ mod scenes;
 mod structure_component;
 
 pub use error::Error;
-pub use fluid_component::{FluidComponent, PROBES, REGIONS};
+pub use fluid_component::{FluidComponent, GAUGES, PROBES, REGIONS};
 pub use interface::{ACCELERATION, LOAD, POSITION, VELOCITY};
 pub use kinematics::MAXIMUM_MODES;
 pub use scenes::find_scene;

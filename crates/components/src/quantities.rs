@@ -3,7 +3,7 @@
 use fmi2::{SimpleType, Unit};
 
 /// Name, exponents of kg, m, s, rad. Units of modal quantities have square roots and thus no exponents.
-const UNITS: [(&str, Option<[i8; 4]>); 17] = [
+const UNITS: [(&str, Option<[i8; 4]>); 19] = [
     ("m", Some([0, 1, 0, 0])),
     ("m/s", Some([0, 1, -1, 0])),
     ("m/s2", Some([0, 1, -2, 0])),
@@ -21,10 +21,12 @@ const UNITS: [(&str, Option<[i8; 4]>); 17] = [
     ("J/m", Some([1, 1, -2, 0])),
     ("N.s/m", Some([1, 0, -1, 0])),
     ("s", Some([0, 0, 1, 0])),
+    ("m2", Some([0, 2, 0, 0])),
+    ("N.m.s/m", Some([1, 1, -1, 0])),
 ];
 
 /// Name, quantity, unit, meaning. Mechanical quantities are per metre of width.
-const TYPES: [(&str, &str, &str, &str); 18] = [
+const TYPES: [(&str, &str, &str, &str); 20] = [
     ("Displacement", "Length", "m", "displacement from the pose in the scene"),
     ("Velocity", "Velocity", "m/s", "velocity"),
     ("Acceleration", "Acceleration", "m/s2", "acceleration"),
@@ -43,6 +45,8 @@ const TYPES: [(&str, &str, &str, &str); 18] = [
     ("Momentum", "MomentumPerWidth", "N.s/m", "momentum per metre of width"),
     ("Duration", "Time", "s", "duration"),
     ("Length", "Length", "m", "length or coordinate"),
+    ("Area", "Area", "m2", "area in the plane"),
+    ("AngularMomentum", "AngularMomentumPerWidth", "N.m.s/m", "angular momentum per metre of width"),
 ];
 
 /// All units.

@@ -3,12 +3,14 @@
 //! A scene is one TOML file. It is parsed and validated once, here; every later stage may rely on it.
 //! Lengths are in metres, everything else in SI units per metre of width.
 
+mod checks;
 mod document;
 mod error;
 mod parse;
 mod types;
 mod validate;
 
+pub use checks::{Check, CheckKind};
 pub use document::{file_name, from_toml, read_text};
 pub use error::Error;
 pub use parse::parse_overrides;

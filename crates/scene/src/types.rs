@@ -1,5 +1,6 @@
 //! The types that a scene file deserialises into. Field names are the keys of the file.
 
+use crate::Check;
 use serde::{Deserialize, Serialize};
 
 /// A point or vector \[m\] as written in the file.
@@ -97,15 +98,54 @@ pub struct Fluid {
     pub threads: usize,
     /// Bodies of water at the start, each a closed polygon filled with particles.
     pub water: Vec<Polygon>,
+    /// Motion of the water at the start.
+    #[serde(default)]
+    pub start: Start,
+    /// Attraction of the water to the origin: an acceleration of minus this times the position \[1/s2\].
+    #[serde(default)]
+    pub attraction: f64,
+    /// Shaking of the tank, seen from a frame that moves with it.
+    #[serde(default)]
+    pub shaking: Shaking,
     /// Fixed walls, fluid on the left when walked along.
     #[serde(default)]
     pub wall: Vec<Wall>,
     /// Pressure probes.
     #[serde(default)]
     pub probe: Vec<Probe>,
+    /// Gauges of the water level.
+    #[serde(default)]
+    pub gauge: Vec<Gauge>,
     /// Regions whose water mass is reported.
     #[serde(default)]
     pub region: Vec<Region>,
+}
+
+/// Motion of the water at the start: u = `velocity` + `gradient` r.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Start {
+    /// Velocity at the origin \[m/s\].
+    pub velocity: Point,
+    /// Velocity gradient \[1/s\], row by row: du/dx, du/dy; dv/dx, dv/dy.
+    pub gradient: [Point; 2],
+}
+
+/// Displacement `amplitude` cos(2 pi t / `period`) of the tank from t = 0 on. The scene is seen from the tank: the water
+/// feels the acceleration `amplitude` (2 pi / `period`)^2 cos(2 pi t / `period`).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Shaking {
+    /// Amplitude \[m\]; zero for none.
+    pub amplitude: Point,
+    /// Period \[s\].
+    pub period: f64,
+}
+
+impl Default for Shaking {
+    fn default() -> Self {
+        Self { amplitude: [0.0, 0.0], period: 1.0 }
+    }
 }
 
 /// Discretisation of the fluid.
@@ -247,6 +287,16 @@ impl Probe {
             _ => Vec::new(),
         }
     }
+}
+
+/// A vertical line where the water level is reported.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gauge {
+    /// Name in reports.
+    pub name: String,
+    /// Place \[m\].
+    pub x: f64,
 }
 
 /// A region whose water mass is reported.
@@ -426,91 +476,6 @@ pub enum Method {
     IqnIls,
 }
 
-/// A figure that the program computes of its own result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Check {
-    /// Name in the summary.
-    pub name: String,
-    /// What is computed.
-    pub kind: CheckKind,
-    /// Variable as in results.csv, for example `fluid.probe.pressure[1]`.
-    #[serde(default)]
-    pub variable: String,
-    /// Start of the window \[s\]; absent: the start of the run.
-    #[serde(default)]
-    pub from: Option<f64>,
-    /// End of the window \[s\]; absent: the end of the run.
-    #[serde(default)]
-    pub to: Option<f64>,
-    /// The value is (series + offset) * scale.
-    #[serde(default = "defaults::one")]
-    pub scale: f64,
-    /// See `scale`.
-    #[serde(default)]
-    pub offset: f64,
-    /// Factor on the time of the series before it is compared with `points` or `file`.
-    #[serde(default = "defaults::one")]
-    pub time_scale: f64,
-    /// Expected value.
-    #[serde(default)]
-    pub reference: Option<f64>,
-    /// Largest error that counts as passed; absent: reported only.
-    #[serde(default)]
-    pub limit: Option<f64>,
-    /// Unit of the value.
-    #[serde(default)]
-    pub unit: String,
-    /// Reference curve as points (time, value).
-    #[serde(default)]
-    pub points: Vec<Point>,
-    /// Reference file beside the scene.
-    #[serde(default)]
-    pub file: String,
-    /// Columns of that file: time, then value (for a band: mean, minimum, maximum).
-    #[serde(default)]
-    pub columns: Vec<String>,
-    /// For curves: whether one free shift in time is allowed.
-    #[serde(default)]
-    pub free_shift: bool,
-    /// Depth of the water, for hydrostatic checks \[m\].
-    #[serde(default)]
-    pub depth: Option<f64>,
-    /// Where the reference comes from.
-    #[serde(default)]
-    pub source: String,
-}
-
-/// What a check computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CheckKind {
-    /// Relative L2 error of the last frame's pressure against rho g (depth - y), over rho g depth.
-    HydrostaticPressure,
-    /// Root mean square about the mean.
-    SeriesRms,
-    /// Largest value.
-    SeriesMaximum,
-    /// Smallest value.
-    SeriesMinimum,
-    /// Last minus first value.
-    SeriesChange,
-    /// Mean value.
-    SeriesMean,
-    /// Frequency in hertz from the crossings of the mean.
-    SeriesFrequency,
-    /// Mean slope against time.
-    SeriesSlope,
-    /// Value at the time `from`.
-    ValueAt,
-    /// Time of the largest value.
-    TimeOfMaximum,
-    /// Root mean square distance to a reference curve.
-    CurveRms,
-    /// Largest excess over a band between two curves.
-    Band,
-}
-
 mod defaults {
     pub fn gravity() -> [f64; 2] {
         [0.0, -9.81]
@@ -520,8 +485,5 @@ mod defaults {
     }
     pub fn modes() -> usize {
         3
-    }
-    pub fn one() -> f64 {
-        1.0
     }
 }

@@ -145,6 +145,9 @@ impl Check {
         check.finite_if(&key("reference"), self.reference)?;
         check.within(&key("limit"), self.limit.unwrap_or(0.0), 0.0, f64::MAX)?;
         check.points(&key("points"), &self.points, 0)?;
+        check.positive(&key("window"), self.window.unwrap_or(1.0))?;
+        check.finite_if(&key("level"), self.level)?;
+        check.finite_if(&key("rest"), self.rest)?;
         check.positive(&key("depth"), self.depth.unwrap_or(1.0))
     }
 }
@@ -153,6 +156,7 @@ fn validate_fluid(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
     check.positive("fluid.density", fluid.density)?;
     check.positive("fluid.spacing", fluid.spacing)?;
     check.within("fluid.threads", fluid.threads as f64, 0.0, 1024.0)?;
+    validate_forcing(check, fluid)?;
     let paper = &fluid.paper;
     check.within("fluid.paper.influence_radius", paper.influence_radius, 2.1, 4.0)?;
     check.within("fluid.paper.alpha", paper.alpha, 0.0, 1.0)?;
@@ -176,7 +180,21 @@ fn validate_fluid(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
     for (i, region) in fluid.region.iter().enumerate() {
         check.points(&format!("fluid.region[{i}].polygon"), &region.polygon, 3)?;
     }
+    for (i, gauge) in fluid.gauge.iter().enumerate() {
+        check.finite_if(&format!("fluid.gauge[{i}].x"), gauge.x)?;
+    }
     fluid.probe.iter().enumerate().try_for_each(|(i, probe)| validate_probe(check, i, probe))
+}
+
+/// What moves the water besides gravity.
+fn validate_forcing(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
+    check.point("fluid.start.velocity", fluid.start.velocity)?;
+    check.points("fluid.start.gradient", &fluid.start.gradient, 2)?;
+    check.within("fluid.attraction", fluid.attraction, -1e6, 1e6)?;
+    let shaking = &fluid.shaking;
+    check.within("fluid.shaking.amplitude[0]", shaking.amplitude[0], -1e6, 1e6)?;
+    check.within("fluid.shaking.amplitude[1]", shaking.amplitude[1], -1e6, 1e6)?;
+    check.within("fluid.shaking.period", shaking.period, 1e-6, 1e9)
 }
 
 /// Refuses a spacing that would fill the memory before anything could be said about it, and water without area.

@@ -18,9 +18,13 @@ record_interval = 0.1
 density = 1000.0
 spacing = 0.01
 threads = 1
+attraction = 1.0
+start = { velocity = [1.0, 0.0], gradient = [[1.0, 0.0], [0.0, -1.0]] }
+shaking = { amplitude = [0.1, 0.0], period = 2.0 }
 water = [{ polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]] }]
 wall = [{ points = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]] }]
 probe = [{ name = "p", point = [0.0, 0.1] }, { name = "l", from = [0.0, 0.1], to = [0.0, 0.4], count = 3 }]
+gauge = [{ name = "g", x = 0.5 }]
 region = [{ name = "r", polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]] }]
 paper = { influence_radius = 3.1, alpha = 0.01, courant = 0.2, shifting = 0.03, collision_distance = 0.8, restitution = 0.2, surface_deviation = 0.2 }
 solve = { tolerance = 1e-3, maximum_iterations = 100 }
@@ -66,6 +70,9 @@ time_scale = 2.0
 reference = 1.0
 limit = 1.0
 depth = 0.5
+window = 0.05
+level = 1.0
+rest = 1.0
 points = [[0.0, 1.0]]
 "#;
 
@@ -80,6 +87,10 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("fluid.density", &["-1", "0"], &["1e-3"]),
     ("fluid.spacing", &["-0.01", "0", "2e-4", "1e-300"], &["3e-4", "0.1"]),
     ("fluid.threads", &["-1", "1025"], &["0", "1024"]),
+    ("fluid.attraction", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
+    ("fluid.shaking.amplitude.0", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
+    ("fluid.shaking.amplitude.1", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
+    ("fluid.shaking.period", &["-1", "0", "0.9e-6", "1.1e9"], &["1e-6", "1e9"]),
     ("fluid.paper.influence_radius", &["2.09", "4.01"], &["2.1", "4"]),
     ("fluid.paper.alpha", &["-0.01", "1.01"], &["0", "1"]),
     ("fluid.paper.courant", &["0.009", "0.51"], &["0.01", "0.5"]),
@@ -113,6 +124,7 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("check.0.to", &["0.09"], &["0.1"]),
     ("check.0.time_scale", &["-1", "0"], &["0.1"]),
     ("check.0.limit", &["-1e-9"], &["0"]),
+    ("check.0.window", &["-1", "0"], &["0.1"]),
     ("check.0.depth", &["-1", "0"], &["0.1"]),
 ];
 

@@ -41,34 +41,47 @@ pub fn reference(check: &Check, folder: &Path) -> Result<Option<Reference>, Stri
     }))
 }
 
-/// Root mean square distance from the points of the reference curve, with the best shift in time if one is free.
-pub(super) fn rms(check: &Check, points: &Points, folder: &Path) -> Result<Figure, String> {
-    let Some(Reference::Curve(curve)) = reference(check, folder)? else {
+/// How the gaps at the points of a reference curve become one number.
+type Norm = fn(&[f64]) -> f64;
+
+pub(super) fn root_mean_square(gaps: &[f64]) -> f64 {
+    (gaps.iter().map(|gap| gap * gap).sum::<f64>() / gaps.len() as f64).sqrt()
+}
+
+pub(super) fn largest(gaps: &[f64]) -> f64 {
+    gaps.iter().map(|gap| gap.abs()).fold(0.0, f64::max)
+}
+
+/// Distance from the points of the reference curve inside the window, with the best shift in time if one is free.
+pub(super) fn distance_to(check: &Check, points: &Points, folder: &Path, norm: Norm) -> Result<Figure, String> {
+    let Some(Reference::Curve(mut curve)) = reference(check, folder)? else {
         return Err("needs `points`, or `file` with two `columns`".to_string());
     };
+    let bound = |bound: Option<f64>, open: f64| bound.map_or(open, |time| time * check.time_scale);
+    let (from, to) = (bound(check.from, f64::NEG_INFINITY), bound(check.to, f64::INFINITY));
+    curve.retain(|(time, _)| (from..=to).contains(time));
     let scaled: Points = points.iter().map(|(time, value)| (time * check.time_scale, *value)).collect();
-    let distance = |shift: f64| distance(&scaled, &curve, shift);
+    let distance = |shift: f64| distance(&scaled, &curve, shift, norm);
     let shift = if check.free_shift { best_shift(&curve, &distance) } else { 0.0 };
-    let (value, share) = distance(shift);
-    if !value.is_finite() {
+    let (distance, share) = distance(shift);
+    if !distance.is_finite() {
         return Err("the records do not overlap the reference curve".to_string());
     }
     let mut details = BTreeMap::from([("points_compared".to_string(), share * curve.len() as f64)]);
     if check.free_shift {
         details.insert("shift".to_string(), shift);
     }
+    let mean = curve.iter().map(|(_, value)| value.abs()).sum::<f64>() / curve.len() as f64;
+    let value = if check.relative { distance / mean } else { distance };
     Ok(Figure { value, reference: Some(0.0), details })
 }
 
-/// Rms distance, and the share of the curve's points that lie in the series; infinite below one half.
-fn distance(series: &[(f64, f64)], curve: &[(f64, f64)], shift: f64) -> (f64, f64) {
-    let gap = |(time, value): &(f64, f64)| interpolate(series, time + shift).map(|found| (found - value).powi(2));
-    let squares: Vec<f64> = curve.iter().filter_map(gap).collect();
-    let share = squares.len() as f64 / curve.len().max(1) as f64;
-    if share < 0.5 {
-        return (f64::INFINITY, share);
-    }
-    ((squares.iter().sum::<f64>() / squares.len() as f64).sqrt(), share)
+/// Distance, and the share of the curve's points that lie in the series; infinite below one half.
+fn distance(series: &[(f64, f64)], curve: &[(f64, f64)], shift: f64, norm: Norm) -> (f64, f64) {
+    let gap = |(time, value): &(f64, f64)| interpolate(series, time + shift).map(|found| found - value);
+    let gaps: Vec<f64> = curve.iter().filter_map(gap).collect();
+    let share = gaps.len() as f64 / curve.len().max(1) as f64;
+    (if share < 0.5 { f64::INFINITY } else { norm(&gaps) }, share)
 }
 
 /// The shift with the smallest distance: a scan, then thrice a finer one around the best.

@@ -75,15 +75,29 @@ fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
         CheckKind::SeriesMinimum => series::minimum(&points).map(Figure::from),
         CheckKind::SeriesChange => series::change(&points).map(Figure::from),
         CheckKind::SeriesMean => series::mean(&points).map(Figure::from),
-        CheckKind::SeriesFrequency => series::frequency(&points).map(Figure::from),
+        CheckKind::SeriesRootMean => series::root_mean(&points).map(Figure::from),
+        CheckKind::SeriesNoise => {
+            let window = check.window.ok_or("needs `window`, the length of the running mean")?;
+            series::noise(&points, window).map(Figure::from)
+        }
+        CheckKind::SeriesFrequency => series::period(&points).map(|period| period.recip().into()),
+        CheckKind::SeriesPeriod => series::period(&points).map(|period| (period * check.time_scale).into()),
+        CheckKind::RelativeChange => {
+            series::relative_change(&points, check.rest, check.window, check.to).map(Figure::from)
+        }
         CheckKind::SeriesSlope => series::slope(&points, check.time_scale).map(Figure::from),
         CheckKind::ValueAt => {
             let all = Check { from: None, to: None, ..check.clone() };
             let time = check.from.ok_or("needs `from`, the time of the value")?;
             series::value_at(&self::points(&all, context.series)?, time).map(Figure::from)
         }
-        CheckKind::TimeOfMaximum => series::maximum(&points).map(|(time, _)| time.into()),
-        CheckKind::CurveRms => curves::rms(check, &points, context.folder),
+        CheckKind::TimeOfMaximum => series::maximum(&points).map(|(time, _)| (time * check.time_scale).into()),
+        CheckKind::ArrivalTime => {
+            let level = check.level.ok_or("needs `level`, the value whose first crossing counts")?;
+            series::arrival(&points, level).map(|time| (time * check.time_scale).into())
+        }
+        CheckKind::CurveRms => curves::distance_to(check, &points, context.folder, curves::root_mean_square),
+        CheckKind::CurveMaximum => curves::distance_to(check, &points, context.folder, curves::largest),
         CheckKind::Band => curves::band(check, &points, context.folder),
     }
 }

@@ -37,18 +37,88 @@ pub(super) fn change(points: &[(f64, f64)]) -> Result<f64, String> {
     }
 }
 
-/// Frequency \[Hz\] from the upward crossings of the mean, each found by linear interpolation.
-pub(super) fn frequency(points: &[(f64, f64)]) -> Result<f64, String> {
-    let mean = mean(points)?;
-    let crossing = |pair: &[(f64, f64)]| {
+/// Share of the rms about the mean by which a series must have fallen below its mean before the next upward crossing
+/// counts: a jagged signal crosses its mean more than once.
+const HYSTERESIS: f64 = 0.5;
+
+/// Mean period \[s\] from the upward crossings of the mean, each found by linear interpolation.
+pub(super) fn period(points: &[(f64, f64)]) -> Result<f64, String> {
+    let (mean, low) = (mean(points)?, mean(points)? - HYSTERESIS * rms(points)?);
+    let mut armed = false;
+    let mut times = Vec::new();
+    for pair in points.windows(2) {
         let ((t0, v0), (t1, v1)) = (pair[0], pair[1]);
-        (v0 < mean && v1 >= mean).then(|| t0 + (t1 - t0) * (mean - v0) / (v1 - v0))
-    };
-    let times: Vec<f64> = points.windows(2).filter_map(crossing).collect();
+        armed |= v0 < low;
+        if armed && v0 < mean && v1 >= mean {
+            times.push(t0 + (t1 - t0) * (mean - v0) / (v1 - v0));
+            armed = false;
+        }
+    }
     match (times.first(), times.last()) {
-        (Some(first), Some(last)) if times.len() > 1 => Ok((times.len() - 1) as f64 / (last - first)),
+        (Some(first), Some(last)) if times.len() > 1 => Ok((last - first) / (times.len() - 1) as f64),
         _ => Err(format!("{} upward crossings of the mean, expected at least 2", times.len())),
     }
+}
+
+/// Square root of the mean value.
+pub(super) fn root_mean(points: &[(f64, f64)]) -> Result<f64, String> {
+    match mean(points)? {
+        value if value >= 0.0 => Ok(value.sqrt()),
+        value => Err(format!("the mean is {value}, expected at least 0 under a square root")),
+    }
+}
+
+/// Root mean square distance from the running mean over `window` \[s\], at the records with half a window on both sides.
+pub(super) fn noise(points: &[(f64, f64)], window: f64) -> Result<f64, String> {
+    let (half, slack) = (0.5 * window, 1e-9 * window);
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return Err("there are no records".into()) };
+    let (mut begin, mut end) = (0, 0);
+    let (mut square, mut count) = (0.0, 0);
+    for (time, value) in points.iter().filter(|(time, _)| time - half >= first.0 - slack) {
+        if time + half > last.0 + slack {
+            break;
+        }
+        begin += points[begin..].partition_point(|(t, _)| *t < time - half - slack);
+        end += points[end..].partition_point(|(t, _)| *t <= time + half + slack);
+        square += (value - mean(&points[begin..end])?).powi(2);
+        count += 1;
+    }
+    match count {
+        0 => Err(format!("{} s of records, expected more than the window of {window} s", last.0 - first.0)),
+        _ => Ok((square / f64::from(count)).sqrt()),
+    }
+}
+
+/// (last - first) / |first - rest|; means over the first and the last `window` \[s\] if one is given. The records must
+/// reach `to` \[s\]: a run that ended early has lost less.
+pub(super) fn relative_change(
+    points: &[(f64, f64)],
+    rest: f64,
+    window: Option<f64>,
+    to: Option<f64>,
+) -> Result<f64, String> {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return Err("there are no records".into()) };
+    let gap = (last.0 - first.0) / (points.len() - 1).max(1) as f64;
+    if let Some(to) = to.filter(|to| last.0 + gap < to * (1.0 - 1e-9)) {
+        return Err(format!("the records end at {} s, expected {to} s", last.0));
+    }
+    let window = window.unwrap_or(0.0) * (1.0 + 1e-9);
+    let begin = points.partition_point(|(time, _)| *time <= first.0 + window);
+    let end = points.partition_point(|(time, _)| *time < last.0 - window);
+    let (start, end) = (mean(&points[..begin])?, mean(&points[end..])?);
+    match (start - rest).abs() {
+        0.0 => Err(format!("the first value equals the value at rest, {rest}")),
+        size => Ok((end - start) / size),
+    }
+}
+
+/// Time \[s\] when the value first exceeds a level, linear between records.
+pub(super) fn arrival(points: &[(f64, f64)], level: f64) -> Result<f64, String> {
+    let after = points.iter().position(|(_, value)| *value > level);
+    let after = after.ok_or_else(|| format!("no value exceeds {level}"))?;
+    let (t1, v1) = points[after];
+    let Some((t0, v0)) = after.checked_sub(1).map(|before| points[before]) else { return Ok(t1) };
+    Ok(t0 + (t1 - t0) * (level - v0) / (v1 - v0))
 }
 
 /// Slope of the straight line of least squares against time times `time_scale`.

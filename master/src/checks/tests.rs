@@ -40,6 +40,101 @@ fn figures_of_known_series() {
 }
 
 #[test]
+fn periods_of_jagged_signals() {
+    // A period of 0.2 s under a ripple of 130 Hz that crosses the mean several times at each crossing.
+    let jagged = |t: f64| (std::f64::consts::TAU * 5.0 * t).cos() + 0.2 * (std::f64::consts::TAU * 130.0 * t).sin();
+    let found = value("series_period", "", jagged);
+    assert!((found - 0.2).abs() < 0.002, "{found}");
+    let share = value("series_period", "time_scale = 5.0", |t| (std::f64::consts::TAU * 5.0 * t).cos());
+    assert!((share - 1.0).abs() < 1e-5, "{share}");
+    let still = evaluate_one(&check("series_period", ""), &series(|t| t), Path::new(""));
+    assert!(still.problem.unwrap().contains("1 upward crossings"));
+}
+
+#[test]
+fn changes_relative_to_the_start() {
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    // From 10 to 8 above a rest of 6: half of what was there is lost.
+    near(value("relative_change", "rest = 6.0", |t| 10.0 - 2.0 * t), -0.5);
+    near(value("relative_change", "to = 0.5", |t| 10.0 - 2.0 * t), -0.1);
+    // Means over 0.2 s at both ends of a straight line: 0.8 of the way.
+    near(value("relative_change", "window = 0.2", |t| 10.0 - 2.0 * t), -0.8 * 2.0 / 9.8);
+    let problem = |rest: &str| {
+        evaluate_one(&check("relative_change", rest), &series(|t| 10.0 - 2.0 * t), Path::new("")).problem.unwrap()
+    };
+    assert!(problem("to = 2.0").contains("end at 1 s, expected 2 s"));
+    assert!(problem("rest = 10.0").contains("equals the value at rest, 10"));
+}
+
+#[test]
+fn noise_is_what_a_running_mean_takes_away() {
+    // A slope is its own running mean; of a ripple of 100 Hz nothing is left over 50 ms, so all of it is noise.
+    let ripple = |t: f64| 5.0 * t + 0.3 * (std::f64::consts::TAU * 100.0 * t).sin();
+    let found = value("series_noise", "window = 0.05", ripple);
+    assert!((found - 0.3 / 2.0_f64.sqrt()).abs() < 0.01, "{found}");
+    let smooth = value("series_noise", "window = 0.05", |t| 5.0 * t);
+    assert!(smooth < 1e-12, "{smooth}");
+    let short = evaluate_one(&check("series_noise", "window = 2.0"), &series(|t| t), Path::new(""));
+    assert!(short.problem.unwrap().contains("window of 2 s"));
+}
+
+#[test]
+fn arrivals_and_root_means() {
+    let found = value("arrival_time", "level = 0.25\ntime_scale = 10.0", |t| (t - 0.4).max(0.0));
+    assert!((found - 6.5).abs() < 1e-9, "{found}");
+    let never = evaluate_one(&check("arrival_time", "level = 2.0"), &series(|t| t), Path::new(""));
+    assert!(never.problem.unwrap().contains("no value exceeds 2"));
+    // Mean of t over 0 to 1 is 1/2.
+    assert!((value("series_root_mean", "scale = 8.0", |t| t) - 2.0).abs() < 1e-9);
+    let negative = evaluate_one(&check("series_root_mean", "scale = -1.0"), &series(|t| t), Path::new(""));
+    assert!(negative.problem.unwrap().contains("-0.5"));
+}
+
+#[test]
+fn distances_to_a_curve_inside_the_window() {
+    // The curve lies 0.1 below the series up to 0.5 s and 0.3 below it afterwards.
+    let gap = |t: f64| if t <= 0.5 { 0.1 } else { 0.3 };
+    let points: Vec<Point> = (0..=10).map(|i| f64::from(i) * 0.1).map(|t| [t, 2.0 - gap(t)]).collect();
+    let distance = |kind: &str, rest: &str| {
+        let curve = Check { points: points.clone(), ..check(kind, rest) };
+        evaluate_one(&curve, &series(|_| 2.0), Path::new("")).value.unwrap()
+    };
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    near(distance("curve_maximum", ""), 0.3);
+    near(distance("curve_maximum", "to = 0.55"), 0.1);
+    near(distance("curve_rms", "to = 0.55"), 0.1);
+    near(distance("curve_rms", ""), ((6.0 * 0.01 + 5.0 * 0.09) / 11.0_f64).sqrt());
+    // The mean of the reference up to 0.5 s is 1.9.
+    near(distance("curve_rms", "to = 0.55\nrelative = true"), 0.1 / 1.9);
+}
+
+#[test]
+fn water_at_rest_over_all_frames_in_a_window() {
+    use components::frames::{Field, Frame, Series as Frames};
+    let folder = tempfile::tempdir().unwrap();
+    let mut frames = Frames::new(folder.path(), "particles", 0.0, 1.0).unwrap();
+    // Exact but for an offset of 0, 1, 3 per cent of rho g H = 1000 * 10 * 2 Pa.
+    for (number, offset) in [0.0, 200.0, 600.0].into_iter().enumerate() {
+        let heights = [0.25_f32, 1.0, 1.75];
+        let pressures = heights.map(|y| 1e4 * (2.0 - y) + offset).to_vec();
+        let points = heights.map(|y| [0.0, y]).to_vec();
+        let frame = Frame { points, lines: Vec::new(), fields: vec![Field::Scalar("pressure", pressures)] };
+        frames.write(number as u64, number as f64, frame).unwrap();
+    }
+    let empty = Series::default();
+    let error = |rest: &str| {
+        let context =
+            Context { series: &empty, frames: folder.path(), folder: Path::new(""), water: Some((1e3, 10.0)) };
+        let check = check("hydrostatic_pressure", &format!("depth = 2.0\n{rest}"));
+        evaluate(&[check], &context).remove("c").unwrap()
+    };
+    assert!((error("").value.unwrap() - 0.03).abs() < 1e-7);
+    assert!((error("from = 1.0").value.unwrap() - (0.5_f64 * (0.01 * 0.01 + 0.03 * 0.03)).sqrt()).abs() < 1e-7);
+    assert!((error("from = 0.0\nto = 1.0").value.unwrap() - 0.01 / 2.0_f64.sqrt()).abs() < 1e-7);
+    assert!(error("from = 5.0").problem.unwrap().contains("no frame in the window"));
+}
+
+#[test]
 fn reference_error_and_limit() {
     let within = check("series_mean", "reference = 2.0\nlimit = 0.2\nunit = 'm'");
     let result = evaluate_one(&within, &series(|_| 2.1), Path::new(""));

@@ -1,6 +1,5 @@
 //! Field frames that the components wrote.
 
-use components::frames::{ReadFrame, read_frame};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -40,10 +39,4 @@ pub fn frames(folder: &Path, series: &str) -> Result<Vec<FrameEntry>, String> {
     let file: File = quick_xml::de::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))?;
     let entry = |set: Set| FrameEntry { time: set.time, path: folder.join(set.file) };
     Ok(file.collection.sets.into_iter().map(entry).collect())
-}
-
-/// Time and content of the last frame of a series, if there is one.
-pub fn last_frame(folder: &Path, series: &str) -> Result<Option<(f64, ReadFrame)>, String> {
-    let Some(last) = frames(folder, series)?.pop() else { return Ok(None) };
-    read_frame(&last.path).map(|frame| Some((last.time, frame))).map_err(|error| error.to_string())
 }

@@ -11,5 +11,5 @@ pub use canvas::{Error, prepare_font};
 pub use chart::{Band, Chart, Curve};
 pub use field::{FieldFigure, Panel};
 pub use figures::draw_all;
-pub use frames::{FrameEntry, frames, last_frame};
+pub use frames::{FrameEntry, frames};
 pub use text::{Short, markdown};

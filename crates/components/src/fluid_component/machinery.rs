@@ -1,6 +1,6 @@
 //! What follows from the scene and needs no saving: solver, scratch, field frames.
 
-use super::{PROBES, REGIONS};
+use super::{GAUGES, PROBES, REGIONS};
 use crate::frames::{Field, Frame, Series, single, write_frame};
 use crate::parameters::SceneParameters;
 use crate::{Error, conversion};
@@ -28,6 +28,7 @@ impl Machinery {
         let beam = scene.modes();
         within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
         within("pressure probe points", geometry.probes.len(), PROBES, "; remove some of fluid.probe")?;
+        within("level gauges", geometry.gauges.len(), GAUGES, "; remove some of fluid.gauge")?;
         within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;
         let walls = geometry.fixed_walls.clone();
         let solver = fluid::Solver::new(numbers, geometry)?;

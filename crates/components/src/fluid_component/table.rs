@@ -1,6 +1,6 @@
 //! The fluid's table of variables.
 
-use super::{FluidComponent, PROBES, REGIONS};
+use super::{FluidComponent, GAUGES, PROBES, REGIONS};
 use crate::parameters::{output_rows, scene_rows};
 use crate::{ACCELERATION, LOAD, POSITION, interface, quantities};
 use fluid::Observables;
@@ -23,6 +23,7 @@ pub(super) fn model(modes: usize) -> Model<FluidComponent> {
     variables.extend(loads.into_iter().map(|(_, variable)| variable));
     variables.extend(places());
     variables.extend(figures());
+    variables.extend(shape());
     variables.extend(numbers());
     variables.extend(stages());
     Model {
@@ -74,7 +75,7 @@ fn figure(this: &FluidComponent, read: impl Fn(&Observables) -> f64) -> f64 {
     this.observables().map_or(0.0, read)
 }
 
-/// Figures at the scene's probes and in its regions, computed from the state when they are read.
+/// Figures at the scene's probes and gauges and in its regions, computed from the state when they are read.
 fn places() -> Vec<Row> {
     let probes = (0..PROBES).map(|index| {
         let name = format!("probe.pressure[{}]", index + 1);
@@ -92,7 +93,15 @@ fn places() -> Vec<Row> {
         })
         .at(index)
     });
-    probes.chain(regions).collect()
+    let levels = (0..GAUGES).map(|index| {
+        let name = format!("level[{}]", index + 1);
+        let meaning = "Y of the highest water at a gauge, in the order of the scene; 0 where it has fewer";
+        Row::real(350 + index as Reference, name, meaning, "Length", |this, index| {
+            figure(this, |seen| seen.levels.get(index).copied().unwrap_or(0.0))
+        })
+        .at(index)
+    });
+    probes.chain(regions).chain(levels).collect()
 }
 
 /// Figures of the whole water, computed from the state when they are read.
@@ -111,9 +120,13 @@ fn figures() -> Vec<Row> {
         row(363, "energy.kinetic", "kinetic energy of the water", "Energy", |this, _| {
             figure(this, |seen| seen.kinetic_energy)
         }),
-        row(364, "energy.potential", "potential energy of the water above the origin", "Energy", |this, _| {
-            figure(this, |seen| seen.potential_energy)
-        }),
+        row(
+            364,
+            "energy.potential",
+            "potential energy of the water above the origin, and in an attraction to it",
+            "Energy",
+            |this, _| figure(this, |seen| seen.potential_energy),
+        ),
         row(365, "momentum.x", "momentum of the water along X", "Momentum", |this, _| {
             figure(this, |seen| seen.momentum.x)
         }),
@@ -124,6 +137,27 @@ fn figures() -> Vec<Row> {
         row(368, "centre.y", "Y of the water's centre of mass", "Length", |this, _| figure(this, |seen| seen.centre.y)),
         row(369, "maximum_speed", "largest speed of a particle", "Velocity", |this, _| {
             figure(this, |seen| seen.maximum_speed)
+        }),
+    ]
+}
+
+/// How far the water reaches, and what of it is kept where nothing acts on it.
+fn shape() -> Vec<Row> {
+    let row = |reference, name: &str, meaning: &str, kind, get| Row::real(reference, name, meaning, kind, get);
+    vec![
+        row(370, "extent.left", "smallest X of all water", "Length", |this, _| figure(this, |seen| seen.extent[0].x)),
+        row(371, "extent.bottom", "smallest Y of all water", "Length", |this, _| figure(this, |seen| seen.extent[0].y)),
+        row(372, "extent.right", "largest X of all water", "Length", |this, _| figure(this, |seen| seen.extent[1].x)),
+        row(373, "extent.top", "largest Y of all water", "Length", |this, _| figure(this, |seen| seen.extent[1].y)),
+        row(374, "farthest", "largest distance of water from the origin", "Length", |this, _| {
+            figure(this, |seen| seen.farthest)
+        }),
+        row(375, "angular_momentum", "angular momentum of the water about the origin", "AngularMomentum", |this, _| {
+            figure(this, |seen| seen.angular_momentum)
+        }),
+        row(376, "area", "area of the water", "Area", |this, _| figure(this, |seen| seen.area)),
+        row(377, "energy.total", "kinetic and potential energy of the water", "Energy", |this, _| {
+            figure(this, |seen| seen.kinetic_energy + seen.potential_energy)
         }),
     ]
 }
