@@ -67,9 +67,14 @@ fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
     if check.kind == CheckKind::HydrostaticPressure {
         return hydrostatic::error(check, context).map(Figure::from);
     }
+    if check.kind == CheckKind::ValueAt {
+        let time = check.from.ok_or("needs `from`, the time of the value")?;
+        let all = Check { from: None, to: None, ..check.clone() };
+        return series::value_at(&points(&all, context.series)?, time).map(Figure::from);
+    }
     let points = points(check, context.series)?;
     match check.kind {
-        CheckKind::HydrostaticPressure => Err("needs a frame".to_string()),
+        CheckKind::HydrostaticPressure | CheckKind::ValueAt => Err("is no figure of a window".to_string()),
         CheckKind::SeriesRms => series::rms(&points).map(Figure::from),
         CheckKind::SeriesMaximum => series::maximum(&points).map(|(_, value)| value.into()),
         CheckKind::SeriesMinimum => series::minimum(&points).map(Figure::from),
@@ -86,11 +91,6 @@ fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
             series::relative_change(&points, check.rest, check.window, check.to).map(Figure::from)
         }
         CheckKind::SeriesSlope => series::slope(&points, check.time_scale).map(Figure::from),
-        CheckKind::ValueAt => {
-            let all = Check { from: None, to: None, ..check.clone() };
-            let time = check.from.ok_or("needs `from`, the time of the value")?;
-            series::value_at(&self::points(&all, context.series)?, time).map(Figure::from)
-        }
         CheckKind::TimeOfMaximum => series::maximum(&points).map(|(time, _)| (time * check.time_scale).into()),
         CheckKind::ArrivalTime => {
             let level = check.level.ok_or("needs `level`, the value whose first crossing counts")?;

@@ -37,6 +37,7 @@ fn figures_of_known_series() {
     near(value("series_change", "from = 0.25\nto = 0.75", |t| t * t), 0.5, 1e-12);
     near(value("series_slope", "time_scale = 2.0", |t| 4.0 * t), 2.0, 1e-12);
     near(value("value_at", "from = 0.1234", |t| 10.0 * t), 1.234, 1e-12);
+    near(value("value_at", "from = 1.0", |t| 10.0 * t), 10.0, 1e-12);
 }
 
 #[test]

@@ -13,6 +13,12 @@ use std::path::{Path, PathBuf};
 const TIME: &str = "time [s]";
 /// Moments shown side by side.
 const MOMENTS: usize = 4;
+/// Most points of a reference that are drawn one by one; more are drawn as a line.
+const MOST_MARKERS: usize = 60;
+/// Variables, by how their names go on after the participant, that a run without a choice of its own plots only when a
+/// check asks for them: book-keeping, and figures of special scenes.
+const ASIDE: [&str; 8] =
+    ["particles.", "solver.", "time_step.", "momentum.", "extent.", "farthest", "angular_momentum", "area"];
 
 /// Draws all pictures into `folder/plots`; gives their paths. Frames are looked for in `folder/frames`; reference
 /// files of checks in `references`. A picture that cannot be drawn does not keep the others from being drawn.
@@ -55,7 +61,10 @@ fn against_reference(check: &Check, series: &Series, folder: &Path) -> Option<(S
     let label = if check.source.is_empty() { "reference" } else { check.source.split(',').next().unwrap_or("") };
     let mut band = None;
     match reference {
-        Reference::Curve(points) => curves.push(Curve { label: label.to_string(), points, markers: true }),
+        Reference::Curve(points) => {
+            let markers = points.len() <= MOST_MARKERS;
+            curves.push(Curve { label: label.to_string(), points, markers });
+        }
         Reference::Band(rows) => {
             let points = rows.iter().map(|row| (row[0], row[2], row[3])).collect();
             band = Some(Band { label: "smallest to largest published".to_string(), points });
@@ -64,20 +73,38 @@ fn against_reference(check: &Check, series: &Series, folder: &Path) -> Option<(S
         }
     }
     let x = if check.time_scale == 1.0 { TIME.to_string() } else { format!("time, times {}", check.time_scale) };
-    let y = if check.scale == 1.0 && check.offset == 0.0 {
-        format!("{} [{}]", check.variable, check.unit)
-    } else {
-        format!("({} + {}) times {} [{}]", check.variable, check.offset, check.scale, check.unit)
-    };
+    let y = format!("{} [{}]", expression(check), check.unit);
     Some((format!("check-{}", slug(&check.name)), Chart { title: check.name.clone(), x, y, curves, band }))
+}
+
+/// What a check makes of its variable, in words.
+fn expression(check: &Check) -> String {
+    let name = &check.variable;
+    let moved = match check.offset {
+        0.0 => name.clone(),
+        offset if offset < 0.0 => format!("{name} - {}", -offset),
+        offset => format!("{name} + {offset}"),
+    };
+    match check.scale {
+        1.0 => moved,
+        scale if check.offset == 0.0 => format!("{moved} times {scale}"),
+        scale => format!("({moved}) times {scale}"),
+    }
+}
+
+/// Whether a variable is plotted when the case makes no choice.
+fn is_plain(column: &Column, checks: &[Check]) -> bool {
+    let varies = column.values.windows(2).any(|pair| pair[0] != pair[1]);
+    let name = column.name.split_once('.').map_or(column.name.as_str(), |(_, name)| name);
+    let aside = ASIDE.iter().any(|prefix| name.starts_with(prefix));
+    varies && (!aside || checks.iter().any(|check| check.variable == column.name))
 }
 
 /// Variables of one participant whose names differ in the last part only, with one unit, share a picture.
 fn families(case: &Case, series: &Series) -> Vec<(String, Chart)> {
     let chosen = |column: &&Column| {
         let wanted = &case.output.plot;
-        let varies = column.values.windows(2).any(|pair| pair[0] != pair[1]);
-        if wanted.is_empty() { varies } else { wanted.contains(&column.name) }
+        if wanted.is_empty() { is_plain(column, &case.check) } else { wanted.contains(&column.name) }
     };
     let mut families: Vec<(String, Vec<&Column>)> = Vec::new();
     for column in series.columns.iter().filter(chosen) {
@@ -89,9 +116,15 @@ fn families(case: &Case, series: &Series) -> Vec<(String, Chart)> {
     }
     let chart = |(key, members): (String, Vec<&Column>)| {
         let label = |column: &Column| case.labels.get(&column.name).cloned().unwrap_or_else(|| column.name.clone());
-        let curve =
-            |column: &&Column| Curve { label: label(column), points: series.points(column).collect(), markers: false };
+        // Beside the potential energy nothing else could be seen: energies are drawn from their start.
+        let from_start = stem(&members[0].name).ends_with(".energy");
+        let curve = |column: &&Column| {
+            let start = column.values.first().copied().filter(|_| from_start).unwrap_or(0.0);
+            let points = series.points(column).map(|(time, value)| (time, value - start)).collect();
+            Curve { label: label(column), points, markers: false }
+        };
         let title = if members.len() == 1 { label(members[0]) } else { title(members[0]) };
+        let title = if from_start { format!("{title}, change since the start") } else { title };
         let unit = if members[0].unit.is_empty() { "1" } else { &members[0].unit };
         let curves = members.iter().map(curve).collect();
         (slug(&key), Chart { title, x: TIME.to_string(), y: format!("[{unit}]"), curves, band: None })
@@ -186,6 +219,20 @@ mod tests {
         assert_eq!(family(&column("fluid.energy.kinetic", "J/m")), "fluid.energy J/m");
         assert_eq!(family(&column("fluid.maximum_speed", "m/s")), "fluid.maximum_speed m/s");
         assert_eq!(slug("fluid.probe.pressure Pa"), "fluid-probe-pressure-pa");
+    }
+
+    #[test]
+    fn book_keeping_is_plotted_only_when_a_check_asks_for_it() {
+        let column = |name: &str| Column { name: name.into(), unit: String::new(), values: vec![1.0, 2.0] };
+        let check: Check =
+            toml::from_str("name = 'c'\nkind = 'series_mean'\nvariable = 'fluid.extent.top'\noffset = -0.5").unwrap();
+        assert_eq!(expression(&check), "fluid.extent.top - 0.5");
+        assert_eq!(expression(&Check { scale: 2.0, ..check.clone() }), "(fluid.extent.top - 0.5) times 2");
+        let plain = |name: &str| is_plain(&column(name), std::slice::from_ref(&check));
+        assert!(plain("fluid.level[1]") && plain("fluid.energy.total") && plain("structure.motion.x"));
+        assert!(plain("fluid.extent.top") && !plain("fluid.extent.left") && !plain("fluid.solver.iterations"));
+        let constant = Column { values: vec![1.0, 1.0], ..column("fluid.level[1]") };
+        assert!(!is_plain(&constant, &[]));
     }
 
     #[test]
