@@ -7,6 +7,7 @@ mod checks;
 mod document;
 mod error;
 mod parse;
+mod structure;
 mod types;
 mod validate;
 
@@ -14,4 +15,5 @@ pub use checks::{Check, CheckKind};
 pub use document::{file_name, from_toml, read_text};
 pub use error::Error;
 pub use parse::parse_overrides;
+pub use structure::{Beam, Freedom, Integrator, Structure, Support};
 pub use types::*;

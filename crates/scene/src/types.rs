@@ -1,6 +1,6 @@
 //! The types that a scene file deserialises into. Field names are the keys of the file.
 
-use crate::Check;
+use crate::{Check, Structure};
 use serde::{Deserialize, Serialize};
 
 /// A point or vector \[m\] as written in the file.
@@ -309,122 +309,6 @@ pub struct Region {
     pub polygon: Vec<Point>,
 }
 
-/// The rigid cabin with its elastic beam.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Structure {
-    /// Place of the centre of gravity of the rigid part at the start \[m\].
-    #[serde(default)]
-    pub origin: Point,
-    /// Rotation at the start \[rad\], counter-clockwise.
-    #[serde(default)]
-    pub angle: f64,
-    /// Rigid degrees of freedom that move; the others are not solved for.
-    #[serde(default)]
-    pub free: Vec<Freedom>,
-    /// Mass of the rigid part \[kg/m\]; needed when it moves.
-    #[serde(default)]
-    pub mass: f64,
-    /// Moment of inertia of the rigid part about its centre of gravity \[kg m2/m\]; needed when it rotates.
-    #[serde(default)]
-    pub inertia: f64,
-    /// Wetted rigid walls in the body frame, fluid on the left when walked along.
-    #[serde(default)]
-    pub wall: Vec<Wall>,
-    /// The elastic beam.
-    #[serde(default)]
-    pub beam: Option<Beam>,
-    /// Time integration.
-    #[serde(default)]
-    pub integrator: Integrator,
-    /// A constant load on the generalised coordinates \[N/m, N m/m, N per modal unit\], for scenes without water.
-    #[serde(default)]
-    pub constant_load: Vec<f64>,
-}
-
-/// A rigid degree of freedom.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Freedom {
-    /// Sway, along X.
-    X,
-    /// Heave, along Y.
-    Y,
-    /// Roll.
-    Theta,
-}
-
-/// The elastic beam.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Beam {
-    /// How its ends are held.
-    pub support: Support,
-    /// Middle of the undeformed beam in the body frame \[m\]; its axis runs along +y of the body.
-    pub middle: Point,
-    /// Length l \[m\].
-    pub length: f64,
-    /// Thickness h \[m\].
-    pub thickness: f64,
-    /// Density \[kg/m3\].
-    pub density: f64,
-    /// Young's modulus E \[Pa\].
-    pub youngs_modulus: f64,
-    /// Poisson's ratio; given, the plate is in plane strain, E h^3 / (12 (1 - nu^2)).
-    #[serde(default)]
-    pub poisson_ratio: Option<f64>,
-    /// Number of modes, 0 (rigid) to 8.
-    #[serde(default = "defaults::modes")]
-    pub modes: usize,
-    /// Damping ratios of the modes; missing ones are 0.
-    #[serde(default)]
-    pub damping: Vec<f64>,
-    /// Modal coordinates at the start \[m sqrt(kg/m)\]; missing ones are 0.
-    #[serde(default)]
-    pub initial_modes: Vec<f64>,
-}
-
-impl Beam {
-    /// Bending stiffness EJ per metre of width \[N m\].
-    pub fn bending_stiffness(&self) -> f64 {
-        let plane_strain = self.poisson_ratio.map_or(1.0, |nu| 1.0 - nu * nu);
-        self.youngs_modulus * self.thickness.powi(3) / (12.0 * plane_strain)
-    }
-
-    /// Line density rho h \[kg/m per metre of width\].
-    pub fn line_density(&self) -> f64 {
-        self.density * self.thickness
-    }
-}
-
-/// How the ends of the beam are held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Support {
-    /// Both ends clamped.
-    FixedFixed,
-    /// Clamped at -y, free at +y.
-    ClampedFree,
-}
-
-/// Time integration of the structure.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Integrator {
-    /// Spectral radius at infinite frequency (0 to 1); given, generalised-alpha replaces Newmark.
-    pub rho_infinity: Option<f64>,
-    /// Newmark's beta.
-    pub beta: f64,
-    /// Newmark's gamma.
-    pub gamma: f64,
-}
-
-impl Default for Integrator {
-    fn default() -> Self {
-        Self { rho_infinity: None, beta: 0.25, gamma: 0.5 }
-    }
-}
-
 /// How fluid and structure are coupled.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -482,8 +366,5 @@ mod defaults {
     }
     pub fn density() -> f64 {
         1000.0
-    }
-    pub fn modes() -> usize {
-        3
     }
 }

@@ -73,7 +73,12 @@ fn against_reference(check: &Check, series: &Series, folder: &Path) -> Option<(S
         }
     }
     let x = if check.time_scale == 1.0 { TIME.to_string() } else { format!("time, times {}", check.time_scale) };
-    let y = format!("{} [{}]", expression(check), check.unit);
+    let unit = match series.column(&check.variable) {
+        Some(column) if check.relative && check.scale == 1.0 => &column.unit,
+        _ if check.relative => "1",
+        _ => &check.unit,
+    };
+    let y = format!("{} [{unit}]", expression(check));
     Some((format!("check-{}", slug(&check.name)), Chart { title: check.name.clone(), x, y, curves, band }))
 }
 
