@@ -7,6 +7,8 @@ use nalgebra::Vector2;
 pub struct Filling {
     /// Centres of the particles \[m\].
     pub positions: Vec<Vector2<f64>>,
+    /// Particles of each body of water, in order.
+    pub counts: Vec<usize>,
     /// Lattice cell of the largest body of water \[m\]: the particles start with exactly its number density.
     pub cell: Vector2<f64>,
     /// Side of a square of the mean cell area \[m\]; within a few per cent of the spacing asked for.
@@ -35,6 +37,7 @@ pub fn area(polygon: &[Vector2<f64>]) -> f64 {
 /// particles stand half a spacing from its sides.
 pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error> {
     let mut positions = Vec::new();
+    let mut counts = Vec::new();
     let (mut total_area, mut largest, mut cell) = (0.0, 0.0, Vector2::zeros());
     for (number, polygon) in water.iter().enumerate() {
         let (low, high) = crate::grid::bounding_box(polygon);
@@ -56,6 +59,7 @@ pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error>
                 }
             }
         }
+        counts.push(positions.len() - counts.iter().sum::<usize>());
         total_area += area(polygon);
         if area(polygon) > largest {
             (largest, cell) = (area(polygon), step);
@@ -70,7 +74,7 @@ pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error>
     }
     let effective_spacing = (total_area / positions.len() as f64).sqrt();
     let scale = effective_spacing / (cell.x * cell.y).sqrt();
-    Ok(Filling { positions, cell: cell * scale, effective_spacing })
+    Ok(Filling { positions, counts, cell: cell * scale, effective_spacing })
 }
 
 #[cfg(test)]

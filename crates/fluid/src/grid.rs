@@ -20,8 +20,8 @@ impl Grid {
         let (low, high) = bounding_box(positions);
         self.origin = low;
         self.inverse_size = 1.0 / size;
-        self.columns = ((high.x - low.x) / size) as usize + 1;
-        self.rows = ((high.y - low.y) / size) as usize + 1;
+        self.columns = ((high.x - low.x) * self.inverse_size) as usize + 1;
+        self.rows = ((high.y - low.y) * self.inverse_size) as usize + 1;
         let cells = self.columns * self.rows;
         self.starts.clear();
         self.starts.resize(cells + 1, 0);

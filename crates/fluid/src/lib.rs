@@ -33,6 +33,7 @@ mod report;
 mod schedule;
 mod solver;
 mod state;
+mod voronoi;
 mod walls;
 
 pub use error::Error;
@@ -40,7 +41,7 @@ pub use images::{Image, Mirror};
 pub use kernel::Kernel;
 pub use neighbours::Neighbourhood;
 pub use observe::Observables;
-pub use parameters::{AffineVelocity, Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters, Source};
+pub use parameters::{AccurateParameters, AffineVelocity, Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters, Source};
 pub use report::{Report, StageTimes};
 pub use solver::{Solver, Workspace};
 pub use state::State;

@@ -2,6 +2,8 @@
 
 use crate::neighbours::Neighbourhood;
 use crate::parallel::{self, Lists};
+use crate::voronoi::cell::Facet;
+use crate::voronoi::cells::Cells;
 use nalgebra::Vector2;
 
 /// Row number of a particle that is no unknown.
@@ -68,6 +70,32 @@ impl Matrix {
         parallel::fill(&mut self.diagonal, |row| {
             let sum: f64 = entries.of(row).iter().map(|entry| entry.weight).sum();
             ((sum + row_sums[row]) * scale).max(f64::MIN_POSITIVE)
+        });
+    }
+
+    /// Assembles the matrix of Voronoi cells: every particle is an unknown, and free surfaces are row sums.
+    pub fn assemble_cells(&mut self, cells: &Cells) {
+        let count = cells.cells.len();
+        if self.rows.len() != count {
+            self.rows = (0..count as u32).collect();
+            self.particles.clone_from(&self.rows);
+        }
+        self.entries.build(count, |i, out| {
+            let entry = |facet: &Facet| Entry { column: facet.neighbour, weight: facet.weight() };
+            out.extend(cells.facets.of(i).iter().map(entry));
+        });
+        self.row_sums.resize(count, 0.0);
+        parallel::fill(&mut self.row_sums, |i| {
+            let cell = &cells.cells[i];
+            if cell.is_open() { cell.surface / cell.depth } else { 0.0 }
+        });
+        let enclosed = self.row_sums.iter().all(|&sum| sum == 0.0);
+        let scale = if enclosed { 1.0 + 1e-10 } else { 1.0 };
+        self.diagonal.resize(count, 0.0);
+        let (entries, row_sums) = (&self.entries, &self.row_sums);
+        parallel::fill(&mut self.diagonal, |i| {
+            let sum: f64 = entries.of(i).iter().map(|entry| entry.weight).sum();
+            ((sum + row_sums[i]) * scale).max(f64::MIN_POSITIVE)
         });
     }
 

@@ -102,6 +102,6 @@ pub fn observe(setting: &Setting, state: &State) -> Observables {
 
 /// Highest water within half a spacing of a vertical line.
 fn level(state: &State, x: f64, spacing: f64, lowest: f64) -> f64 {
-    let near = |place: &&Vector2<f64>| (place.x - x).abs() <= 0.5 * spacing + 1e-9 * spacing;
+    let near = |place: &&Vector2<f64>| (place.x - x).abs() <= 0.75 * spacing;
     state.positions.iter().filter(near).map(|place| place.y + 0.5 * spacing).fold(lowest, f64::max)
 }

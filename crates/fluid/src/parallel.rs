@@ -63,6 +63,47 @@ impl<T: Send + Sync> Lists<T> {
         });
     }
 
+    /// Builds two lists and one value per particle at once.
+    pub fn build_with<U: Send + Sync, V: Send>(
+        &mut self,
+        count: usize,
+        second: &mut Lists<U>,
+        values: &mut [V],
+        collect: impl Fn(usize, &mut Vec<T>, &mut Vec<U>, &mut V) + Sync,
+    ) {
+        self.reset(count);
+        second.reset(count);
+        let chunks = self.chunks.par_iter_mut().zip(&mut second.chunks).zip(values.par_chunks_mut(CHUNK));
+        chunks.enumerate().for_each(|(chunk, ((lists, others), values))| {
+            for (k, value) in values.iter_mut().enumerate() {
+                collect(chunk * CHUNK + k, &mut lists.items, &mut others.items, value);
+                lists.ends.push(lists.items.len() as u32);
+                others.ends.push(others.items.len() as u32);
+            }
+        });
+    }
+
+    fn reset(&mut self, count: usize) {
+        let chunks = count.div_ceil(CHUNK);
+        self.chunks.truncate(chunks);
+        self.chunks.resize_with(chunks, || ChunkLists { ends: Vec::new(), items: Vec::new() });
+        for lists in &mut self.chunks {
+            lists.ends.clear();
+            lists.items.clear();
+        }
+    }
+
+    /// Changes every entry; `change(i, entry)` gets the particle it belongs to.
+    pub fn change(&mut self, change: impl Fn(usize, &mut T) + Sync) {
+        self.chunks.par_iter_mut().enumerate().for_each(|(chunk, lists)| {
+            let mut start = 0;
+            for (k, &end) in lists.ends.iter().enumerate() {
+                lists.items[start..end as usize].iter_mut().for_each(|entry| change(chunk * CHUNK + k, entry));
+                start = end as usize;
+            }
+        });
+    }
+
     /// The list of particle i.
     #[inline]
     pub fn of(&self, i: usize) -> &[T] {

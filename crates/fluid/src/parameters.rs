@@ -54,6 +54,8 @@ impl Shaking {
 pub enum Scheme {
     /// The semi-implicit method as the paper states it.
     Paper(PaperParameters),
+    /// Voronoi cells as weights.
+    Accurate(AccurateParameters),
 }
 
 /// Source term of the pressure Poisson equation.
@@ -89,6 +91,27 @@ pub struct PaperParameters {
     /// Distance of the neighbours' centroid in spacings above which a particle lies on the surface if nothing stands on
     /// the other side, 0 to 1.
     pub surface_deviation: f64,
+}
+
+/// Parameters of the scheme `accurate`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AccurateParameters {
+    /// Share of the error of a cell's area removed per step, 0 to 1.
+    pub alpha: f64,
+    /// Courant number u dt / l0, 0.01 to 1.
+    pub courant: f64,
+    /// Strength of particle shifting, 0 (off) to 10.
+    pub shifting: f64,
+    pub repulsion: f64,
+    pub smoothing: f64,
+    pub second_order: bool,
+    pub surface_gradient: bool,
+}
+
+impl Default for AccurateParameters {
+    fn default() -> Self {
+        Self { alpha: 0.01, courant: 0.2, shifting: 1.0, repulsion: 20.0, smoothing: 1.0, second_order: true, surface_gradient: true }
+    }
 }
 
 impl Default for PaperParameters {
@@ -188,7 +211,16 @@ impl Parameters {
         within("solve.maximum_iterations", self.solve.maximum_iterations as f64, 1.0, 1e9)?;
         match &self.scheme {
             Scheme::Paper(paper) => paper.validate(),
+            Scheme::Accurate(accurate) => accurate.validate(),
         }
+    }
+}
+
+impl AccurateParameters {
+    fn validate(&self) -> Result<(), Error> {
+        within("alpha", self.alpha, 0.0, 1.0)?;
+        within("courant", self.courant, 0.01, 1.0)?;
+        within("shifting", self.shifting, 0.0, 10.0)
     }
 }
 

@@ -1,10 +1,10 @@
 //! What happens to particles after the pressure: correction, shifting, collisions, walls.
 
 use crate::free_surface::is_beside_surface;
-use crate::parallel;
+use crate::parallel::{self, Lists};
 use crate::prepare::{Prepared, Setting};
 use crate::state::State;
-use crate::walls::Walls;
+use crate::walls::{Attachment, Walls};
 use nalgebra::Vector2;
 
 /// Corrects velocities and positions with the pressure gradient: u = u* - dt grad p / rho, r = r* + (u - u*) dt.
@@ -100,22 +100,32 @@ fn add(values: &mut [Vector2<f64>], changes: &[Vector2<f64>]) {
     values.iter_mut().zip(changes).for_each(|(value, change)| *value += change);
 }
 
+/// How particles touch walls; distances in metres.
+pub struct Contact {
+    /// Distance below which an approaching particle collides.
+    pub reach: f64,
+    /// Coefficient of restitution.
+    pub restitution: f64,
+    /// Distance that particles keep.
+    pub least: f64,
+    /// Particle spacing.
+    pub spacing: f64,
+}
+
 /// Keeps particles in front of the walls where these stand at the end of the step; returns the number of contacts.
 ///
 /// A particle nearer than half the collision distance (so that its image is a colliding neighbour) loses its
 /// approaching velocity as in a collision, and none comes nearer than a tenth of a spacing.
 pub fn stop_at_walls(
     state: &mut State,
-    prepared: &Prepared,
+    attachments: &Lists<Attachment>,
     walls: &Walls,
-    setting: &Setting,
+    contact: &Contact,
     velocity_of: impl Fn(u32, f64) -> Vector2<f64>,
 ) -> usize {
-    let reach = 0.5 * setting.paper.collision_distance * setting.spacing;
-    let least = 0.1 * setting.spacing;
     let mut contacts = 0;
     for i in 0..state.positions.len() {
-        for entry in prepared.attachments.of(i) {
+        for entry in attachments.of(i) {
             let chain = &walls.chains[entry.chain as usize];
             let Some(segment) = walls.segments[chain.first..chain.last].iter().min_by(|a, b| {
                 a.squared_distance(&state.positions[i]).total_cmp(&b.squared_distance(&state.positions[i]))
@@ -123,9 +133,9 @@ pub fn stop_at_walls(
                 continue;
             };
             let (distance, along) = segment.local(&state.positions[i]);
-            let farthest = -(0.5 * chain.depth).min(setting.spacing);
+            let farthest = -(0.5 * chain.depth).min(contact.spacing);
             let beside = (0.0..=chain.length).contains(&(segment.arc + along));
-            if distance >= reach || distance < farthest || !beside {
+            if distance >= contact.reach || distance < farthest || !beside {
                 continue;
             }
             contacts += 1;
@@ -133,10 +143,10 @@ pub fn stop_at_walls(
             let relative = state.velocities[i] - velocity_of(segment.panel, fraction);
             let closing = relative.dot(&segment.normal);
             if closing > 0.0 {
-                state.velocities[i] -= segment.normal * ((1.0 + setting.paper.restitution) * closing);
+                state.velocities[i] -= segment.normal * ((1.0 + contact.restitution) * closing);
             }
-            if distance < least {
-                state.positions[i] -= segment.normal * (least - distance);
+            if distance < contact.least {
+                state.positions[i] -= segment.normal * (contact.least - distance);
             }
         }
     }
@@ -153,6 +163,7 @@ pub fn remove_lost(state: &mut State, low: &Vector2<f64>, high: &Vector2<f64>) -
     let before = keep.len();
     retain(&mut state.velocities, &keep);
     retain(&mut state.pressures, &keep);
+    retain(&mut state.volumes, &keep);
     retain(&mut state.number_densities, &keep);
     retain(&mut state.surface, &keep);
     retain(&mut state.positions, &keep);

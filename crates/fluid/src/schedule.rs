@@ -13,14 +13,16 @@ pub struct Limits {
     pub speed: f64,
     /// Largest acceleration expected, at least gravity \[m/s2\].
     pub acceleration: f64,
+    /// Share of sqrt(l0 / |a|) that a step may take.
+    pub ease: f64,
 }
 
 impl Limits {
-    /// Largest stable step \[s\]: Courant's, and 0.1 sqrt(l0 / |a|) for the acceleration. At 0.25, still water with
+    /// Largest stable step \[s\]: Courant's, and `ease` sqrt(l0 / |a|) for the acceleration. At 0.25, still water with
     /// an effective radius of 2.1 spacings blows up.
     pub fn stable_step(&self) -> f64 {
         let by_speed = self.courant * self.spacing / self.speed.max(1e-12);
-        let by_acceleration = 0.1 * (self.spacing / self.acceleration.max(1e-12)).sqrt();
+        let by_acceleration = self.ease * (self.spacing / self.acceleration.max(1e-12)).sqrt();
         by_speed.min(by_acceleration)
     }
 }
@@ -33,7 +35,8 @@ impl Limits {
 pub fn next_step(limits: &Limits, left: f64, last: f64, time: f64) -> Result<f64, Error> {
     let stable = limits.stable_step();
     let wanted = if last > 0.0 { stable.min(1.1 * last) } else { stable };
-    let floor = 1e-6 * 0.25 * (limits.spacing / limits.acceleration.max(1e-12)).sqrt();
+    let weightless = limits.acceleration < 1e-9;
+    let floor = if weightless { 0.0 } else { 1e-6 * 0.25 * (limits.spacing / limits.acceleration).sqrt() };
     if stable < floor || !stable.is_finite() {
         return Err(Error::TimeStep { step: stable, floor, time, speed: limits.speed, spacing: limits.spacing });
     }
@@ -50,7 +53,7 @@ mod tests {
 
     #[test]
     fn steps_land_exactly_and_change_slowly() {
-        let limits = Limits { spacing: 0.01, courant: 0.2, speed: 1.7, acceleration: 9.81 };
+        let limits = Limits { spacing: 0.01, courant: 0.2, speed: 1.7, acceleration: 9.81, ease: 0.1 };
         let (mut left, mut last, mut steps) = (0.01_f64, 0.0, Vec::new());
         while left > 0.0 {
             let step = next_step(&limits, left, last, 0.0).unwrap();

@@ -11,13 +11,14 @@ use crate::motion::interpolate;
 use crate::observe::{self, Observables};
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
-use crate::parameters::{Geometry, Parameters, Scheme};
-use crate::particles;
+use crate::parameters::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme};
+use crate::particles::{self, Contact};
 use crate::prepare::{Pace, Prepared, Setting};
 use crate::pressure::ConjugateGradient;
 use crate::report::{Report, Watch};
 use crate::schedule::{Limits, next_step};
 use crate::state::State;
+use crate::voronoi;
 use crate::walls::{WallLayout, Walls};
 use kinematics::Motion;
 use nalgebra::Vector2;
@@ -39,6 +40,7 @@ use nalgebra::Vector2;
 pub struct Solver {
     setting: Setting,
     start: Vec<Vector2<f64>>,
+    volumes: Vec<f64>,
     domain: (Vector2<f64>, Vector2<f64>),
     pool: rayon::ThreadPool,
 }
@@ -47,6 +49,7 @@ pub struct Solver {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     prepared: Prepared,
+    accurate: voronoi::prepare::Prepared,
     candidate: Option<State>,
     solve: ConjugateGradient,
     target: Motion,
@@ -64,9 +67,13 @@ impl Solver {
     pub fn new(parameters: Parameters, geometry: Geometry) -> Result<Self, Error> {
         parameters.validate()?;
         check::walls_are_sound(&geometry, parameters.spacing)?;
-        let filling = fill::fill(&geometry.water, parameters.spacing)?;
+        let mut filling = fill::fill(&geometry.water, parameters.spacing)?;
         let spacing = filling.effective_spacing;
-        let Scheme::Paper(paper) = &parameters.scheme;
+        let fallback = PaperParameters::default();
+        let paper = match &parameters.scheme {
+            Scheme::Paper(paper) => paper,
+            Scheme::Accurate(_) => &fallback,
+        };
         let setting = Setting {
             paper: paper.clone(),
             kernel: Kernel::new(paper.influence_radius, filling.cell),
@@ -74,6 +81,13 @@ impl Solver {
             spacing,
             parameters,
             geometry,
+        };
+        let volumes = match &setting.parameters.scheme {
+            Scheme::Paper(_) => vec![spacing * spacing; filling.positions.len()],
+            Scheme::Accurate(_) => {
+                let water = &setting.geometry.water;
+                voronoi::relax::relax(&mut filling.positions, &filling.counts, water, spacing)
+            }
         };
         let threads = setting.parameters.threads;
         let pool = rayon::ThreadPoolBuilder::new()
@@ -91,7 +105,7 @@ impl Solver {
         let (low, high) = bounding_box(&all);
         let margin = (high - low).max();
         let domain = (low.add_scalar(-margin), high.add_scalar(margin));
-        Ok(Self { setting, start: filling.positions, domain, pool })
+        Ok(Self { setting, start: filling.positions, volumes, domain, pool })
     }
 
     /// Number of modes of the body; 0 without one.
@@ -117,6 +131,7 @@ impl Solver {
             positions: self.start.clone(),
             velocities: self.start.iter().map(|place| self.setting.geometry.start.at(place)).collect(),
             pressures: vec![0.0; count],
+            volumes: self.volumes.clone(),
             number_densities: vec![self.setting.kernel.reference_density; count],
             surface: vec![false; count],
             lost: 0,
@@ -128,6 +143,7 @@ impl Solver {
         let modes = self.modes();
         Workspace {
             prepared: Prepared::new(modes),
+            accurate: voronoi::prepare::Prepared::default(),
             candidate: None,
             solve: ConjugateGradient::default(),
             target: Motion::at_rest(modes),
@@ -232,7 +248,11 @@ impl Solver {
                 acceleration = acceleration.max(body.acceleration(*point, &state.motion).norm());
             }
         }
-        Limits { spacing: self.setting.spacing, courant: self.setting.paper.courant, speed, acceleration }
+        let (courant, ease) = match &self.setting.parameters.scheme {
+            Scheme::Paper(paper) => (paper.courant, 0.1),
+            Scheme::Accurate(accurate) => (accurate.courant, 0.25),
+        };
+        Limits { spacing: self.setting.spacing, courant, speed, acceleration, ease }
     }
 
     /// The same limits with the speed of the walls on the way to `end` and there.
@@ -268,6 +288,9 @@ impl Solver {
         report: &mut Report,
     ) -> Result<(), Error> {
         let setting = &self.setting;
+        if let Scheme::Accurate(accurate) = &setting.parameters.scheme {
+            return self.accurate_step(accurate, state, pace, workspace, report);
+        }
         let time_step = pace.time_step;
         let fresh = workspace.prepared.update(setting, state, pace, &mut report.stages);
         report.reused += usize::from(!fresh);
@@ -284,6 +307,65 @@ impl Solver {
         self.finish(state, time_step, workspace)?;
         report.substeps += 1;
         report.unknowns = workspace.prepared.matrix.size();
+        watch.lap(&mut report.stages.other);
+        Ok(())
+    }
+
+    fn accurate_step(
+        &self,
+        accurate: &AccurateParameters,
+        state: &mut State,
+        pace: Pace,
+        workspace: &mut Workspace,
+        report: &mut Report,
+    ) -> Result<(), Error> {
+        let setting = &self.setting;
+        let fresh = workspace.accurate.update(setting, accurate, state, pace, &mut report.stages);
+        report.reused += usize::from(!fresh);
+        let mut watch = Watch::start();
+        let Workspace { accurate: prepared, solve, right_side, solution, .. } = workspace;
+        let size = prepared.matrix.size();
+        right_side.resize(size, 0.0);
+        {
+            let prepared = &*prepared;
+            parallel::fill(right_side, |i| prepared.source[i] + prepared.wall_source(setting, i));
+        }
+        solution.clone_from(&state.pressures);
+        let parameters = &setting.parameters.solve;
+        let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
+        report.iterations += outcome.iterations;
+        report.residual = report.residual.max(outcome.residual);
+        if outcome.residual > parameters.tolerance || !outcome.residual.is_finite() {
+            return Err(Error::Pressure {
+                time: state.time,
+                iterations: outcome.iterations,
+                residual: outcome.residual,
+                tolerance: parameters.tolerance,
+                unknowns: size,
+            });
+        }
+        state.pressures.copy_from_slice(solution);
+        watch.lap(&mut report.stages.solve);
+        let before = state.positions.clone();
+        voronoi::step::correct(state, prepared, setting, pace.time_step);
+        voronoi::step::shift(state, prepared, setting, accurate, pace.time_step, &mut workspace.vectors);
+        report.contacts += self.keep_in_front(state, workspace);
+        let prepared = &workspace.accurate;
+        for (flag, cell) in state.surface.iter_mut().zip(&prepared.cells.cells) {
+            *flag = cell.is_open();
+        }
+        let reference = setting.kernel.reference_density;
+        for (i, value) in state.number_densities.iter_mut().enumerate() {
+            *value = reference * state.volumes[i] / prepared.cells.cells[i].area.max(f64::MIN_POSITIVE);
+        }
+        watch.lap(&mut report.stages.gradient);
+        check::all_finite(state, &before)?;
+        state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
+        state.motion.clone_from(&workspace.target);
+        state.time_step = pace.time_step;
+        state.steps += 1;
+        report.substeps += 1;
+        report.unknowns = size;
         watch.lap(&mut report.stages.other);
         Ok(())
     }
@@ -334,15 +416,27 @@ impl Solver {
     /// Keeps particles in front of the walls where these stand at the end of the step.
     fn keep_in_front(&self, state: &mut State, workspace: &mut Workspace) -> usize {
         let setting = &self.setting;
-        let prepared = &workspace.prepared;
+        let spacing = setting.spacing;
+        let (attachments, walls, contact) = match &setting.parameters.scheme {
+            Scheme::Paper(paper) => {
+                let reach = 0.5 * paper.collision_distance * spacing;
+                let contact = Contact { reach, restitution: paper.restitution, least: 0.1 * spacing, spacing };
+                (&workspace.prepared.attachments, &workspace.prepared.walls, contact)
+            }
+            Scheme::Accurate(_) => {
+                let least = 0.1 * spacing;
+                let contact = Contact { reach: least, restitution: 0.0, least, spacing };
+                (&workspace.accurate.attachments, &workspace.accurate.walls, contact)
+            }
+        };
         let Some(body) = &setting.geometry.body else {
-            return particles::stop_at_walls(state, prepared, &prepared.walls, setting, |_, _| Vector2::zeros());
+            return particles::stop_at_walls(state, attachments, walls, &contact, |_, _| Vector2::zeros());
         };
         let at = Some((body, &workspace.target.position));
-        workspace.end_walls.place(&setting.layout, at, setting.kernel.radius, setting.spacing);
+        workspace.end_walls.place(&setting.layout, at, setting.kernel.radius, spacing);
         workspace.end_panels.set_start(&setting.layout.panels, body, &workspace.target);
         let panels = &workspace.end_panels;
-        particles::stop_at_walls(state, prepared, &workspace.end_walls, setting, |panel, fraction| {
+        particles::stop_at_walls(state, attachments, &workspace.end_walls, &contact, |panel, fraction| {
             panels.velocity(panel, fraction)
         })
     }

@@ -23,6 +23,8 @@ pub struct State {
     pub velocities: Vec<Vector2<f64>>,
     /// Pressures \[Pa\].
     pub pressures: Vec<f64>,
+    /// Areas that the particles own \[m2\].
+    pub volumes: Vec<f64>,
     /// Number densities (dimensionless sums of weights).
     pub number_densities: Vec<f64>,
     /// Whether the particle lies on the free surface.

@@ -1,0 +1,305 @@
+//! The cell of one particle: facets to neighbours and walls, and the free surface where nothing else bounds it.
+//!
+//! Corners farther from the particle than `OPEN` spacings belong to empty space. There the cell ends at the free
+//! surface, which runs at the same distance delta outside the lines from the particle to its neighbours along the
+//! surface, and round the particle where these lines turn away from each other. The cell's area is then a quadratic
+//! in delta, A = C + H delta + Phi delta^2 / 2, and delta is what makes it the particle's own area: the position of
+//! the free surface follows from the volume.
+
+use super::polygon::{BOX, Plane, Polygon, WALL};
+use nalgebra::Vector2;
+use std::f64::consts::PI;
+
+/// Distance in spacings from which on a corner lies in empty space. A rectangular lattice stretched 2:1 just closes.
+pub const OPEN: f64 = 1.1;
+/// Mean room of the cells around such a corner, over their areas, from which on the corner lies in empty space.
+const ROOMY: f64 = 1.35;
+/// Largest distance in spacings of two particles that touch though both ends of their facet lie in empty space.
+const TOUCHING: f64 = 1.6;
+/// Least and largest distance of the free surface from a particle, in spacings.
+const DEPTHS: [f64; 2] = [0.15, 0.8];
+
+/// A facet between two particles, or of a particle on a wall, seen from the particle. Places along it count from the
+/// foot of the perpendicular from the particle, counter-clockwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facet {
+    /// The other particle; for a wall the index of its plane.
+    pub neighbour: u32,
+    /// How the facet meets the free surface.
+    pub bound: Bound,
+    /// Unit vector to the neighbour or into the wall.
+    pub normal: Vector2<f64>,
+    /// Distance of the facet's line from the particle, half the distance to the neighbour \[m\].
+    pub height: f64,
+    /// Start along the line \[m\].
+    pub from: f64,
+    /// End along the line \[m\].
+    pub to: f64,
+}
+
+impl Facet {
+    /// Length \[m\].
+    #[inline]
+    pub fn length(&self) -> f64 {
+        self.to - self.from
+    }
+
+    /// Length over the distance of the two particles.
+    #[inline]
+    pub fn weight(&self) -> f64 {
+        (self.to - self.from) / (2.0 * self.height)
+    }
+
+    /// From the particle to the middle \[m\].
+    #[inline]
+    pub fn middle(&self) -> Vector2<f64> {
+        self.normal * self.height + turn(&self.normal) * (0.5 * (self.from + self.to))
+    }
+
+    /// From the middle to the neighbour \[m\].
+    #[inline]
+    pub fn beyond(&self) -> Vector2<f64> {
+        self.normal * self.height - turn(&self.normal) * (0.5 * (self.from + self.to))
+    }
+
+    /// Ends the facet where the free surface crosses it, `depth` outside the foot.
+    pub fn end_at(&mut self, depth: f64) {
+        match self.bound {
+            Bound::Exit => self.to = depth.max(self.from),
+            Bound::Entry => self.from = (-depth).min(self.to),
+            Bound::Chord => (self.from, self.to) = (-depth, depth),
+            _ => {}
+        }
+    }
+}
+
+/// The rest of a cell.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Cell {
+    /// Area \[m2\].
+    pub area: f64,
+    /// From the particle to the centroid of its cell \[m\].
+    pub centroid: Vector2<f64>,
+    /// Distance of the free surface from the particle \[m\]; 0 for a cell without.
+    pub depth: f64,
+    /// Length of the free surface \[m\]; 0 for a cell without.
+    pub surface: f64,
+    /// Integral of the outward normal over the free surface \[m\].
+    pub outward: Vector2<f64>,
+    /// Weight of the particle's pressure in the force that the free surface puts on the cell \[m\].
+    pub lift: Vector2<f64>,
+}
+
+impl Cell {
+    /// Whether the cell has a free surface.
+    pub fn is_open(&self) -> bool {
+        self.surface > 0.0
+    }
+}
+
+/// A vector turned counter-clockwise by a right angle.
+#[inline]
+pub fn turn(vector: &Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-vector.y, vector.x)
+}
+
+/// How an edge of the polygon bounds the cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// Both ends in the water.
+    Whole,
+    /// Towards empty space, walking counter-clockwise.
+    Exit,
+    /// Back from empty space.
+    Entry,
+    /// Both ends in empty space.
+    Chord,
+    /// In empty space altogether.
+    Nothing,
+}
+
+/// One polygon with the planes of its edges.
+pub struct Shape<'a> {
+    pub polygon: &'a Polygon,
+    pub planes: &'a dyn Fn(u32) -> Plane,
+    /// Area of the cell behind a label over its own; of the cell itself for the label `BOX`; 0 for a wall.
+    pub fullness: &'a dyn Fn(u32) -> f64,
+    pub spacing: f64,
+}
+
+impl Shape<'_> {
+    /// Whether any corner lies in empty space.
+    pub fn is_open(&self) -> bool {
+        (0..self.polygon.count()).any(|k| self.is_empty(k))
+    }
+
+    /// A closed cell: `add(label, facet)` receives its facets.
+    pub fn close(&self, mut add: impl FnMut(u32, Facet)) -> Cell {
+        let count = self.polygon.count();
+        let (mut area, mut moment) = (0.0, Vector2::zeros());
+        for k in 0..count {
+            let (a, b) = (self.polygon.corner(k), self.polygon.corner(k + 1));
+            let twice = a.perp(&b);
+            area += 0.5 * twice;
+            moment += (a + b) * (twice / 6.0);
+            let label = self.polygon.label(k);
+            let plane = (self.planes)(label);
+            let along = turn(&plane.normal);
+            let (from, to) = (along.dot(&a), along.dot(&b));
+            let bound = Bound::Whole;
+            let facet = Facet { neighbour: label, bound, normal: plane.normal, height: plane.distance, from, to };
+            add(label, facet);
+        }
+        Cell { area, centroid: moment / area, ..Cell::default() }
+    }
+
+    /// Whether corner k lies in empty space: far from its particles, and these have more room than their areas fill.
+    fn is_empty(&self, k: usize) -> bool {
+        if self.polygon.corner(k).norm_squared() <= (OPEN * self.spacing).powi(2) {
+            return false;
+        }
+        let count = self.polygon.count();
+        let (before, after) = (self.polygon.label((k + count - 1) % count), self.polygon.label(k));
+        if before == BOX || after == BOX {
+            return true;
+        }
+        let (mut sum, mut cells) = ((self.fullness)(BOX), 1.0);
+        for room in [(self.fullness)(before), (self.fullness)(after)] {
+            if room > 0.0 {
+                (sum, cells) = (sum + room, cells + 1.0);
+            }
+        }
+        sum > ROOMY * cells
+    }
+
+    fn bound(&self, k: usize) -> Bound {
+        let (a, b) = (self.polygon.corner(k), self.polygon.corner(k + 1));
+        let label = self.polygon.label(k);
+        match (self.is_empty(k), self.is_empty((k + 1) % self.polygon.count())) {
+            _ if label == BOX => Bound::Nothing,
+            (false, false) => Bound::Whole,
+            (false, true) => Bound::Exit,
+            (true, false) => Bound::Entry,
+            (true, true) => {
+                let plane = (self.planes)(label);
+                let along = turn(&plane.normal);
+                let reaches = along.dot(&a) < 0.0 && along.dot(&b) > 0.0;
+                if reaches && 2.0 * plane.distance < TOUCHING * self.spacing { Bound::Chord } else { Bound::Nothing }
+            }
+        }
+    }
+
+    /// A cell with a free surface, of the area `volume` if the surface can be placed so.
+    pub fn surface(&self, volume: f64, mut add: impl FnMut(u32, Facet)) -> Cell {
+        let count = self.polygon.count();
+        let (mut constant, mut linear, mut bend) = (0.0, 0.0, 0.0);
+        let mut last_exit: Option<Vector2<f64>> = None;
+        let mut first_entry: Option<Vector2<f64>> = None;
+        let mut turn_between = |from: &Vector2<f64>, to: &Vector2<f64>| {
+            let angle = from.perp(to).atan2(from.dot(to));
+            let angle = if angle <= 1e-9 { angle + 2.0 * PI } else { angle };
+            let outside = angle - PI;
+            bend += if outside >= 0.0 { outside } else { -2.0 * (0.5 * outside.max(-2.0)).abs().tan() };
+        };
+        for k in 0..count {
+            let bound = self.bound(k);
+            if bound == Bound::Nothing {
+                continue;
+            }
+            let plane = (self.planes)(self.polygon.label(k));
+            let along = turn(&plane.normal);
+            let (from, to) = (along.dot(&self.polygon.corner(k)), along.dot(&self.polygon.corner(k + 1)));
+            let h = plane.distance;
+            match bound {
+                Bound::Whole => constant += 0.5 * h * (to - from),
+                Bound::Exit => (constant, linear) = (constant - 0.5 * h * from, linear + h),
+                Bound::Entry => (constant, linear) = (constant + 0.5 * h * to, linear + h),
+                _ => linear += 2.0 * h,
+            }
+            if matches!(bound, Bound::Entry | Bound::Chord) {
+                match last_exit.take() {
+                    Some(exit) => turn_between(&exit, &plane.normal),
+                    None => first_entry = Some(plane.normal),
+                }
+            }
+            if matches!(bound, Bound::Exit | Bound::Chord) {
+                last_exit = Some(plane.normal);
+            }
+        }
+        match (last_exit, first_entry) {
+            (Some(exit), Some(entry)) => turn_between(&exit, &entry),
+            (None, None) if linear == 0.0 => bend = 2.0 * PI,
+            _ => {}
+        }
+        let lack = volume - constant;
+        let root = (linear * linear + 2.0 * bend * lack).max(0.0).sqrt();
+        let wanted = 2.0 * lack / (linear + root).max(1e-12 * self.spacing);
+        let depth = wanted.clamp(DEPTHS[0] * self.spacing, DEPTHS[1] * self.spacing);
+        let surface = (linear + bend * depth).max(0.2 * self.spacing);
+        let area = constant + linear * depth + 0.5 * bend * depth * depth;
+        let centroid = self.finish(depth, &mut add);
+        Cell { area, centroid, depth, surface, ..Cell::default() }
+    }
+
+    /// Emits the facets of a cell whose free surface stands at `depth`, and returns its centroid.
+    fn finish(&self, depth: f64, add: &mut impl FnMut(u32, Facet)) -> Vector2<f64> {
+        let mut outline = Outline::default();
+        for k in 0..self.polygon.count() {
+            let bound = self.bound(k);
+            if bound == Bound::Nothing {
+                continue;
+            }
+            let label = self.polygon.label(k);
+            let plane = (self.planes)(label);
+            let along = turn(&plane.normal);
+            let (from, to) = (along.dot(&self.polygon.corner(k)), along.dot(&self.polygon.corner(k + 1)));
+            let mut facet = Facet { neighbour: label, bound, normal: plane.normal, height: plane.distance, from, to };
+            facet.end_at(depth);
+            let foot = plane.normal * plane.distance;
+            if matches!(bound, Bound::Entry | Bound::Chord) {
+                outline.walk(along * -depth);
+            }
+            outline.walk(foot + along * facet.from);
+            outline.walk(foot + along * facet.to);
+            if matches!(bound, Bound::Exit | Bound::Chord) {
+                outline.walk(along * depth);
+            }
+            add(label, facet);
+        }
+        outline.centroid()
+    }
+}
+
+/// Area and moment of a polygon whose corners are walked one by one.
+#[derive(Default)]
+struct Outline {
+    ends: Option<(Vector2<f64>, Vector2<f64>)>,
+    area: f64,
+    moment: Vector2<f64>,
+}
+
+impl Outline {
+    fn walk(&mut self, point: Vector2<f64>) {
+        let Some((first, last)) = self.ends else {
+            self.ends = Some((point, point));
+            return;
+        };
+        let twice = last.perp(&point);
+        self.area += 0.5 * twice;
+        self.moment += (last + point) * (twice / 6.0);
+        self.ends = Some((first, point));
+    }
+
+    fn centroid(mut self) -> Vector2<f64> {
+        if let Some((first, _)) = self.ends {
+            self.walk(first);
+        }
+        if self.area > 0.0 { self.moment / self.area } else { Vector2::zeros() }
+    }
+}
+
+/// Whether a label is a wall's, and its index.
+pub fn wall_of(label: u32, walls: usize) -> Option<usize> {
+    let index = (WALL - label.min(WALL)) as usize;
+    (index < walls).then_some(index)
+}

@@ -1,0 +1,9 @@
+//! The scheme `accurate`: Voronoi cells of the particles as weights.
+
+pub mod cell;
+pub mod cells;
+pub mod operators;
+pub mod polygon;
+pub mod prepare;
+pub mod relax;
+pub mod step;

@@ -1,0 +1,192 @@
+//! What an internal step needs that depends on the state alone.
+
+use super::cells::{Cells, Setup, WallFacet};
+use super::operators;
+use crate::matrix::Matrix;
+use crate::multigrid::Multigrid;
+use crate::panel_motion::PanelMotion;
+use crate::parallel::{self, Lists};
+use crate::parameters::AccurateParameters;
+use crate::prepare::{Pace, Setting};
+use crate::report::{StageTimes, Watch};
+use crate::state::State;
+use crate::walls::{Attachment, Walls};
+use nalgebra::{Matrix2, Vector2};
+
+/// Everything prepared for one internal step.
+#[derive(Debug, Clone, Default)]
+pub struct Prepared {
+    key: Option<(u64, u64)>,
+    /// Time at the start of the step \[s\].
+    pub time: f64,
+    /// Walls at the start of the step.
+    pub walls: Walls,
+    walls_placed: bool,
+    /// Wall velocities at the start of the step.
+    pub panels: PanelMotion,
+    /// Walls near each particle.
+    pub attachments: Lists<Attachment>,
+    /// Cells at the start of the step.
+    pub cells: Cells,
+    /// Body force of each particle \[m/s2\].
+    pub forces: Vec<Vector2<f64>>,
+    /// Predicted velocities u* \[m/s\].
+    pub velocities: Vec<Vector2<f64>>,
+    smoothed: Vec<Vector2<f64>>,
+    /// Gradients of the predicted velocity \[1/s\].
+    pub gradients: Vec<Matrix2<f64>>,
+    /// Right side without the accelerations of moving walls \[Pa\].
+    pub source: Vec<f64>,
+    /// Matrix of the pressure.
+    pub matrix: Matrix,
+    /// Preconditioner.
+    pub multigrid: Multigrid,
+}
+
+impl Prepared {
+    /// Prepares the step from `state`; returns false when the workspace held it already.
+    pub fn update(
+        &mut self,
+        setting: &Setting,
+        accurate: &AccurateParameters,
+        state: &State,
+        pace: Pace,
+        stages: &mut StageTimes,
+    ) -> bool {
+        let mut watch = Watch::start();
+        let key = Some((state.fingerprint(), pace.time_step.to_bits()));
+        if self.key == key {
+            return false;
+        }
+        self.key = None;
+        self.time = state.time;
+        self.place_walls(setting, state);
+        let walls = &self.walls;
+        self.attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
+        self.cells.build(&Setup {
+            positions: &state.positions,
+            volumes: &state.volumes,
+            attachments: &self.attachments,
+            walls: &self.walls,
+            spacing: setting.spacing,
+        });
+        watch.lap(&mut stages.neighbours);
+        self.predict(setting, state, pace.time_step);
+        self.smooth(accurate, state, pace.time_step);
+        self.build_source(setting, accurate, state, pace);
+        self.matrix.assemble_cells(&self.cells);
+        self.multigrid.set_up(&self.matrix, &state.positions, setting.spacing, setting.spacing * setting.spacing);
+        self.key = key;
+        watch.lap(&mut stages.assembly);
+        true
+    }
+
+    fn place_walls(&mut self, setting: &Setting, state: &State) {
+        let body = setting.geometry.body.as_ref();
+        if let Some(body) = body {
+            self.panels.set_start(&setting.layout.panels, body, &state.motion);
+        }
+        if body.is_some() || !self.walls_placed {
+            let at = body.map(|body| (body, &state.motion.position));
+            self.walls.place(&setting.layout, at, 2.0 * Cells::reach(setting.spacing), setting.spacing);
+            self.walls_placed = true;
+        }
+    }
+
+    /// u* = u + f dt, and its gradient.
+    fn predict(&mut self, setting: &Setting, state: &State, time_step: f64) {
+        let count = state.positions.len();
+        self.forces.resize(count, Vector2::zeros());
+        self.velocities.resize(count, Vector2::zeros());
+        self.gradients.resize(count, Matrix2::zeros());
+        parallel::fill(&mut self.forces, |i| setting.parameters.body_force(&state.positions[i], state.time));
+        let forces = &self.forces;
+        parallel::fill(&mut self.velocities, |i| state.velocities[i] + forces[i] * time_step);
+        let (cells, velocities) = (&self.cells, &self.velocities);
+        parallel::fill(&mut self.gradients, |i| {
+            operators::velocity_gradient(cells, i, &state.positions, velocities)
+        });
+    }
+
+    /// Takes out of u* what its neighbours' linear fields do not explain: noise of the wave length of a cell. A linear
+    /// field stays as it is, a potential flow nearly, and the momentum exactly.
+    fn smooth(&mut self, accurate: &AccurateParameters, state: &State, time_step: f64) {
+        if accurate.smoothing == 0.0 {
+            return;
+        }
+        let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
+        let strength = 0.25 * accurate.smoothing * time_step;
+        let mut smoothed = std::mem::take(&mut self.smoothed);
+        smoothed.resize(velocities.len(), Vector2::zeros());
+        parallel::fill(&mut smoothed, |i| {
+            let mut change = Vector2::zeros();
+            for facet in cells.facets.of(i) {
+                let j = facet.neighbour as usize;
+                let mean = (gradients[i] + gradients[j]) * 0.5;
+                let away = state.positions[j] - state.positions[i];
+                let unexplained = velocities[j] - velocities[i] - mean * away;
+                let rate = (strength * mean.norm()).min(0.05);
+                change += unexplained * (facet.weight().min(2.0) * rate);
+            }
+            velocities[i] + change
+        });
+        std::mem::swap(&mut self.velocities, &mut smoothed);
+        self.smoothed = smoothed;
+    }
+
+    /// Right side of A p = b, from the demand that areas are right at the end of the step:
+    /// (V - V0) share / dt + D u* + dt V det grad u* = dt / rho (-A p).
+    fn build_source(&mut self, setting: &Setting, accurate: &AccurateParameters, state: &State, pace: Pace) {
+        let time_step = pace.time_step;
+        let share = accurate.alpha * (time_step / pace.stable_step).min(1.0);
+        let density = setting.parameters.density;
+        let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
+        let (forces, panels) = (&self.forces, &self.panels);
+        self.source.resize(state.positions.len(), 0.0);
+        let second_order = accurate.second_order;
+        let surface_gradient = accurate.surface_gradient;
+        parallel::fill(&mut self.source, |i| {
+            let cell = &cells.cells[i];
+            let volume = state.volumes[i];
+            let excess = (cell.area - volume).clamp(-LARGEST_EXCESS * volume, LARGEST_EXCESS * volume);
+            let mut rate = operators::area_rate(cells, i, velocities);
+            if second_order {
+                rate += time_step * volume * gradients[i].determinant();
+            }
+            if surface_gradient && cell.is_open() {
+                let outward = cell.outward;
+                let length = outward.norm();
+                if length > 0.0 {
+                    rate += outward.dot(&(gradients[i] * outward)) * cell.depth / length;
+                }
+            }
+            rate += share * excess / time_step;
+            let mut value = -density * rate / time_step;
+            for wall in cells.walls.of(i) {
+                let facet = &wall.facet;
+                let velocity = panels.velocity(wall.panel, wall.fraction);
+                let closing = (velocity + forces[i] * time_step - velocities[i]).dot(&facet.normal) / time_step;
+                value += density * facet.length() * (forces[i].dot(&facet.normal) - closing);
+            }
+            value
+        });
+    }
+
+    /// Normal pressure gradient on a wall facet of particle i \[Pa/m\], with the wall's mean acceleration over the step.
+    pub fn wall_slope(&self, setting: &Setting, i: usize, wall: &WallFacet) -> f64 {
+        let acceleration = self.panels.acceleration(wall.panel, wall.fraction);
+        setting.parameters.density * (self.forces[i] - acceleration).dot(&wall.facet.normal)
+    }
+
+    /// The part of the right side that the accelerations of walls add for particle i \[Pa\].
+    pub fn wall_source(&self, setting: &Setting, i: usize) -> f64 {
+        let of = |wall: &WallFacet| {
+            let acceleration = self.panels.acceleration(wall.panel, wall.fraction);
+            -setting.parameters.density * wall.facet.length() * acceleration.dot(&wall.facet.normal)
+        };
+        self.cells.walls.of(i).iter().map(of).sum()
+    }
+}
+
+/// Largest share of its area that a cell is taken to be too large or too small by.
+const LARGEST_EXCESS: f64 = 0.5;
