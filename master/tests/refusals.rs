@@ -48,7 +48,7 @@ fn scenes_and_files_that_are_not_there() {
         &message,
         &["'dam_break_plat' is neither a file nor a scene", "hydrostatic", "did you mean 'dam_break_plate'"],
     );
-    says(&refused(&["run", "nosuch"]), &["'nosuch'", "dam_break_front, dam_break_plate"]);
+    says(&refused(&["run", "nosuch"]), &["'nosuch'", "dam_break_front, dam_break_impact"]);
     says(&refused(&["run", "/no/such/scene.toml"]), &["'/no/such/scene.toml' is neither a file"]);
     says(&refused(&["check", "scenes/hydrostatc"]), &["scenes/hydrostatc", "did you mean"]);
     says(&refused(&["run", "LICENSE-MIT"]), &["LICENSE-MIT, line 1"]);
