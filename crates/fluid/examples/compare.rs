@@ -77,13 +77,10 @@ fn main() {
     end = number("end", end);
     let accurate = AccurateParameters {
         alpha: number("alpha", 0.01),
-        courant: number("courant", 0.2),
+        courant: number("courant", 0.4),
         shifting: number("shifting", 1.0),
         repulsion: number("repulsion", 20.0),
         smoothing: number("smoothing", 1.0),
-        second_order: number("second", 1.0) > 0.0,
-        surface_gradient: number("surface", 1.0) > 0.0,
-        ..AccurateParameters::default()
     };
     let scheme = if keys.contains_key("paper") { Scheme::Paper(PaperParameters::default()) } else { Scheme::Accurate(accurate) };
     let parameters = Parameters {

@@ -55,14 +55,20 @@ impl Grid {
 
     /// Calls `visit` with every particle in the 3 x 3 cells around `position`, in a fixed order.
     #[inline]
-    pub fn for_each_near(&self, position: &Vector2<f64>, mut visit: impl FnMut(usize)) {
+    pub fn for_each_near(&self, position: &Vector2<f64>, visit: impl FnMut(usize)) {
+        self.for_each_within(position, 1, visit);
+    }
+
+    /// Calls `visit` with every particle in the cells up to `rings` cells away from `position`, in a fixed order.
+    #[inline]
+    pub fn for_each_within(&self, position: &Vector2<f64>, rings: i64, mut visit: impl FnMut(usize)) {
         let (column, row) = self.place(position);
-        let first = (column - 1).max(0);
-        let last = (column + 1).min(self.columns as i64 - 1);
+        let first = (column - rings).max(0);
+        let last = (column + rings).min(self.columns as i64 - 1);
         if first > last {
             return;
         }
-        for r in (row - 1).max(0)..=(row + 1).min(self.rows as i64 - 1) {
+        for r in (row - rings).max(0)..=(row + rings).min(self.rows as i64 - 1) {
             let base = r as usize * self.columns;
             let start = self.starts[base + first as usize] as usize;
             let end = self.starts[base + last as usize + 1] as usize;

@@ -5,11 +5,16 @@ use crate::panel_motion::PanelMotion;
 use crate::parameters::Parameters;
 use crate::walls::{FIXED, Segment, Walls};
 use kinematics::{Body, MaterialPoint};
-use nalgebra::{DVector, Vector2};
+use nalgebra::{DVector, Matrix3, Vector2, Vector3};
 use rayon::prelude::*;
 
 /// Radius of the averages at walls and probes, in particle spacings.
 const REACH: f64 = 2.1;
+
+/// Fewest particles that a plane is fitted to.
+const FEWEST: usize = 5;
+/// Determinant of the fit's moments over the cube of the weights' sum, below which the particles lie on a line.
+const FLATTEST: f64 = 1e-3;
 
 /// The water as pressures at points.
 #[derive(Clone, Copy)]
@@ -42,8 +47,33 @@ impl PressureField<'_> {
         })
     }
 
-    /// Pressure at a point in the water: sum w (p_j + rho g.(x - r_j)) / sum w.
+    /// Pressure at a point in the water: a plane fitted to the particles around by weighted least squares, or the mean
+    /// sum w (p_j + rho g.(x - r_j)) / sum w where these are too few or lie on a line.
     pub fn at_point(&self, point: &Vector2<f64>) -> f64 {
+        let (mut moments, mut right) = (Matrix3::zeros(), Vector3::zeros());
+        let mut count = 0;
+        let squared_reach = (REACH * self.spacing).powi(2);
+        let near_wall = !self.walls.candidates(point).is_empty();
+        self.grid.for_each_near(point, |j| {
+            let away = self.positions[j] - point;
+            let squared = away.norm_squared();
+            if squared >= squared_reach || (near_wall && self.walls.separates(point, &self.positions[j])) {
+                return;
+            }
+            let row = Vector3::new(1.0, away.x / self.spacing, away.y / self.spacing);
+            let weight = (1.0 - squared / squared_reach).powi(2);
+            moments += row * row.transpose() * weight;
+            right += row * (weight * self.pressures[j]);
+            count += 1;
+        });
+        let even = moments.determinant() > FLATTEST * moments[(0, 0)].powi(3);
+        if count < FEWEST || !even {
+            return self.mean_at(point);
+        }
+        moments.cholesky().map_or_else(|| self.mean_at(point), |factor| factor.solve(&right)[0])
+    }
+
+    fn mean_at(&self, point: &Vector2<f64>) -> f64 {
         let force = self.parameters.body_force(point, self.time) * self.parameters.density;
         self.average(point, |j| Some(self.pressures[j] + force.dot(&(point - self.positions[j]))))
     }

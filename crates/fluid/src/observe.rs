@@ -1,10 +1,12 @@
 //! Figures that people look at, from a state.
 
 use crate::fill::contains;
-use crate::grid::{Grid, bounding_box};
+use crate::grid::Grid;
 use crate::load::{PressureField, fixed_wall_force};
+use crate::parameters::Scheme;
 use crate::prepare::Setting;
 use crate::state::State;
+use crate::voronoi::outline::Outline;
 use crate::walls::Walls;
 use nalgebra::Vector2;
 
@@ -48,7 +50,6 @@ pub struct Observables {
 /// Computes the figures of `state`.
 pub fn observe(setting: &Setting, state: &State) -> Observables {
     let density = setting.parameters.density;
-    let mass = density * setting.spacing * setting.spacing;
     let count = state.positions.len();
     let mut walls = Walls::default();
     let body = setting.geometry.body.as_ref().map(|body| (body, &state.motion.position));
@@ -65,43 +66,47 @@ pub fn observe(setting: &Setting, state: &State) -> Observables {
         walls: &walls,
     };
     let sum_of = |polygon: &Vec<Vector2<f64>>| {
-        mass * state.positions.iter().filter(|position| contains(polygon, position)).count() as f64
+        (0..count).filter(|&i| contains(polygon, &state.positions[i])).map(|i| density * state.volumes[i]).sum()
     };
-    let position_sum: Vector2<f64> = state.positions.iter().sum();
+    let outline = Outline::new(setting, state, &walls);
+    let (extent, farthest) = outline.extent();
+    let mass = |i: usize| density * state.volumes[i];
+    let total: f64 = density * state.volumes.iter().sum::<f64>();
+    let moment: Vector2<f64> = (0..count).map(|i| state.positions[i] * mass(i)).sum();
     let attraction = 0.5 * setting.parameters.attraction;
-    let squared: f64 = state.positions.iter().map(|position| position.norm_squared()).sum();
-    let potential = attraction * squared - setting.parameters.gravity.dot(&position_sum);
-    let velocity_sum: Vector2<f64> = state.velocities.iter().sum();
-    let squares: f64 = state.velocities.iter().map(|velocity| velocity.norm_squared()).sum();
-    let company = 0.3 * setting.kernel.reference_density;
-    let front = (0..count)
-        .filter(|&i| state.number_densities[i] > company)
-        .map(|i| state.positions[i].x)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let (low, high) = bounding_box(&state.positions);
-    let extent = [low.add_scalar(-0.5 * setting.spacing), high.add_scalar(0.5 * setting.spacing)];
+    let squared: f64 = (0..count).map(|i| state.positions[i].norm_squared() * mass(i)).sum();
+    let front = match &setting.parameters.scheme {
+        Scheme::Paper(_) => particle_front(setting, state),
+        Scheme::Accurate(_) => extent[1].x,
+    };
     Observables {
         probes: setting.geometry.probes.iter().map(|point| field.at_point(point)).collect(),
         region_masses: setting.geometry.regions.iter().map(sum_of).collect(),
-        wall_force: fixed_wall_force(&field),
-        front: if front.is_finite() { front + 0.5 * setting.spacing } else { 0.0 },
-        kinetic_energy: 0.5 * mass * squares,
-        potential_energy: mass * potential,
-        momentum: velocity_sum * mass,
-        centre: position_sum / count.max(1) as f64,
-        angular_momentum: mass * state.positions.iter().zip(&state.velocities).map(|(r, u)| r.perp(u)).sum::<f64>(),
+        wall_force: match &setting.parameters.scheme {
+            Scheme::Paper(_) => fixed_wall_force(&field),
+            Scheme::Accurate(_) => outline.fixed_wall_force(),
+        },
+        front,
+        kinetic_energy: 0.5 * (0..count).map(|i| state.velocities[i].norm_squared() * mass(i)).sum::<f64>(),
+        potential_energy: attraction * squared - setting.parameters.gravity.dot(&moment),
+        momentum: (0..count).map(|i| state.velocities[i] * mass(i)).sum(),
+        centre: if total > 0.0 { moment / total } else { moment },
+        angular_momentum: (0..count).map(|i| state.positions[i].perp(&state.velocities[i]) * mass(i)).sum(),
+        levels: setting.geometry.gauges.iter().map(|&x| outline.level(x, extent[0].y)).collect(),
+        area: outline.area(),
         extent,
-        farthest: state.positions.iter().map(|place| place.norm()).fold(0.0, f64::max) + 0.5 * setting.spacing,
-        levels: setting.geometry.gauges.iter().map(|&x| level(state, x, setting.spacing, extent[0].y)).collect(),
-        area: count as f64 * setting.spacing * setting.spacing,
+        farthest,
         maximum_speed: state.velocities.iter().map(|velocity| velocity.norm()).fold(0.0, f64::max),
         particles: count,
         lost: state.lost,
     }
 }
 
-/// Highest water within half a spacing of a vertical line.
-fn level(state: &State, x: f64, spacing: f64, lowest: f64) -> f64 {
-    let near = |place: &&Vector2<f64>| (place.x - x).abs() <= 0.75 * spacing;
-    state.positions.iter().filter(near).map(|place| place.y + 0.5 * spacing).fold(lowest, f64::max)
+/// Largest x of a particle that has company, and half a spacing \[m\].
+fn particle_front(setting: &Setting, state: &State) -> f64 {
+    let company = 0.3 * setting.kernel.reference_density;
+    let has_company = |i: &usize| state.number_densities[*i] > company;
+    let farthest = (0..state.positions.len()).filter(has_company).map(|i| state.positions[i].x);
+    let front = farthest.fold(f64::NEG_INFINITY, f64::max);
+    if front.is_finite() { front + 0.5 * setting.spacing } else { 0.0 }
 }

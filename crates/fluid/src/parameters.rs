@@ -100,17 +100,17 @@ pub struct AccurateParameters {
     pub alpha: f64,
     /// Courant number u dt / l0, 0.01 to 1.
     pub courant: f64,
-    /// Strength of particle shifting, 0 (off) to 10.
+    /// Strength of the shift of particles to the centroids of their cells, 0 (off) to 10.
     pub shifting: f64,
+    /// Strength of the shift of particles away from others nearer than 0.9 spacings, 0 (off) to 100.
     pub repulsion: f64,
+    /// Strength of the smoothing of velocities that neighbours do not explain, 0 (off) to 10.
     pub smoothing: f64,
-    pub second_order: bool,
-    pub surface_gradient: bool,
 }
 
 impl Default for AccurateParameters {
     fn default() -> Self {
-        Self { alpha: 0.01, courant: 0.2, shifting: 1.0, repulsion: 20.0, smoothing: 1.0, second_order: true, surface_gradient: true }
+        Self { alpha: 0.01, courant: 0.4, shifting: 1.0, repulsion: 20.0, smoothing: 1.0 }
     }
 }
 
@@ -220,7 +220,9 @@ impl AccurateParameters {
     fn validate(&self) -> Result<(), Error> {
         within("alpha", self.alpha, 0.0, 1.0)?;
         within("courant", self.courant, 0.01, 1.0)?;
-        within("shifting", self.shifting, 0.0, 10.0)
+        within("shifting", self.shifting, 0.0, 10.0)?;
+        within("repulsion", self.repulsion, 0.0, 100.0)?;
+        within("smoothing", self.smoothing, 0.0, 10.0)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::parallel;
 use crate::parameters::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme};
 use crate::particles::{self, Contact};
 use crate::prepare::{Pace, Prepared, Setting};
-use crate::pressure::ConjugateGradient;
+use crate::pressure::{ConjugateGradient, Outcome};
 use crate::report::{Report, Watch};
 use crate::schedule::{Limits, next_step};
 use crate::state::State;
@@ -60,6 +60,8 @@ pub struct Workspace {
     right_side: Vec<f64>,
     solution: Vec<f64>,
     vectors: Vec<Vector2<f64>>,
+    /// Positions before the particles were moved.
+    before: Vec<Vector2<f64>>,
 }
 
 impl Solver {
@@ -153,6 +155,7 @@ impl Solver {
             right_side: Vec::new(),
             solution: Vec::new(),
             vectors: Vec::new(),
+            before: Vec::new(),
         }
     }
 
@@ -304,6 +307,11 @@ impl Solver {
         report.contacts += self.keep_in_front(state, workspace);
         watch.lap(&mut report.stages.gradient);
         self.add_load(state, pace.share, workspace);
+        for (value, density) in state.number_densities.iter_mut().zip(&workspace.prepared.densities) {
+            *value = density.number_density;
+        }
+        state.surface.copy_from_slice(&workspace.prepared.surface);
+        workspace.before.clone_from(&workspace.prepared.positions);
         self.finish(state, time_step, workspace)?;
         report.substeps += 1;
         report.unknowns = workspace.prepared.matrix.size();
@@ -311,6 +319,7 @@ impl Solver {
         Ok(())
     }
 
+    /// One internal step on Voronoi cells.
     fn accurate_step(
         &self,
         accurate: &AccurateParameters,
@@ -322,51 +331,57 @@ impl Solver {
         let setting = &self.setting;
         let fresh = workspace.accurate.update(setting, accurate, state, pace, &mut report.stages);
         report.reused += usize::from(!fresh);
+        if let Some(body) = &setting.geometry.body {
+            workspace.frozen_end.clone_from(&workspace.target);
+            workspace.frozen_end.position.copy_from(&state.motion.position);
+            let end = &workspace.frozen_end;
+            workspace.accurate.panels.set_end(&setting.layout.panels, body, end, pace.time_step);
+        }
+        self.solve_on_cells(state, workspace, report)?;
+        let mut watch = Watch::start();
+        if let Some(body) = &setting.geometry.body {
+            voronoi::step::add_body_load(state, &workspace.accurate, setting, body, pace.share);
+        }
+        workspace.before.clone_from(&state.positions);
+        voronoi::step::correct(state, &workspace.accurate, setting, pace.time_step);
+        voronoi::step::shift(state, &workspace.accurate, setting, accurate, pace.time_step, &mut workspace.vectors);
+        report.contacts += self.keep_in_front(state, workspace);
+        watch.lap(&mut report.stages.gradient);
+        voronoi::step::record(state, &workspace.accurate, setting.kernel.reference_density);
+        self.finish(state, pace.time_step, workspace)?;
+        report.substeps += 1;
+        report.unknowns = workspace.accurate.matrix.size();
+        watch.lap(&mut report.stages.other);
+        Ok(())
+    }
+
+    fn solve_on_cells(&self, state: &mut State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
         let mut watch = Watch::start();
         let Workspace { accurate: prepared, solve, right_side, solution, .. } = workspace;
         let size = prepared.matrix.size();
         right_side.resize(size, 0.0);
         {
             let prepared = &*prepared;
-            parallel::fill(right_side, |i| prepared.source[i] + prepared.wall_source(setting, i));
+            parallel::fill(right_side, |i| prepared.source[i] + prepared.wall_source(&self.setting, i));
         }
         solution.clone_from(&state.pressures);
-        let parameters = &setting.parameters.solve;
+        let parameters = &self.setting.parameters.solve;
         let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
-        report.iterations += outcome.iterations;
-        report.residual = report.residual.max(outcome.residual);
-        if outcome.residual > parameters.tolerance || !outcome.residual.is_finite() {
-            return Err(Error::Pressure {
-                time: state.time,
-                iterations: outcome.iterations,
-                residual: outcome.residual,
-                tolerance: parameters.tolerance,
-                unknowns: size,
-            });
-        }
+        self.account(&outcome, size, state.time, report)?;
         state.pressures.copy_from_slice(solution);
         watch.lap(&mut report.stages.solve);
-        let before = state.positions.clone();
-        voronoi::step::correct(state, prepared, setting, pace.time_step);
-        voronoi::step::shift(state, prepared, setting, accurate, pace.time_step, &mut workspace.vectors);
-        report.contacts += self.keep_in_front(state, workspace);
-        let prepared = &workspace.accurate;
-        for (flag, cell) in state.surface.iter_mut().zip(&prepared.cells.cells) {
-            *flag = cell.is_open();
+        Ok(())
+    }
+
+    /// Enters a solve into the report; an error if it did not reach its tolerance.
+    fn account(&self, outcome: &Outcome, unknowns: usize, time: f64, report: &mut Report) -> Result<(), Error> {
+        let tolerance = self.setting.parameters.solve.tolerance;
+        report.iterations += outcome.iterations;
+        report.residual = report.residual.max(outcome.residual);
+        if outcome.residual > tolerance || !outcome.residual.is_finite() {
+            let Outcome { iterations, residual } = *outcome;
+            return Err(Error::Pressure { time, iterations, residual, tolerance, unknowns });
         }
-        let reference = setting.kernel.reference_density;
-        for (i, value) in state.number_densities.iter_mut().enumerate() {
-            *value = reference * state.volumes[i] / prepared.cells.cells[i].area.max(f64::MIN_POSITIVE);
-        }
-        watch.lap(&mut report.stages.gradient);
-        check::all_finite(state, &before)?;
-        state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
-        state.motion.clone_from(&workspace.target);
-        state.time_step = pace.time_step;
-        state.steps += 1;
-        report.substeps += 1;
-        report.unknowns = size;
-        watch.lap(&mut report.stages.other);
         Ok(())
     }
 
@@ -396,17 +411,7 @@ impl Solver {
         }
         let parameters = &self.setting.parameters.solve;
         let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
-        report.iterations += outcome.iterations;
-        report.residual = report.residual.max(outcome.residual);
-        if outcome.residual > parameters.tolerance || !outcome.residual.is_finite() {
-            return Err(Error::Pressure {
-                time: state.time,
-                iterations: outcome.iterations,
-                residual: outcome.residual,
-                tolerance: parameters.tolerance,
-                unknowns: size,
-            });
-        }
+        self.account(&outcome, size, state.time, report)?;
         let rows = &prepared.matrix.rows;
         parallel::fill(&mut state.pressures, |i| if rows[i] == NO_ROW { 0.0 } else { solution[rows[i] as usize] });
         watch.lap(&mut report.stages.solve);
@@ -459,14 +464,9 @@ impl Solver {
         load::add_body_load(&field, body, panels, &prepared.panels, coordinates, share, &mut state.load);
     }
 
-    /// Records what belongs to the state, removes lost particles, and stops anything that is not finite.
+    /// Removes lost particles, and stops anything that is not finite.
     fn finish(&self, state: &mut State, time_step: f64, workspace: &Workspace) -> Result<(), Error> {
-        let prepared = &workspace.prepared;
-        for (value, density) in state.number_densities.iter_mut().zip(&prepared.densities) {
-            *value = density.number_density;
-        }
-        state.surface.copy_from_slice(&prepared.surface);
-        check::all_finite(state, &prepared.positions)?;
+        check::all_finite(state, &workspace.before)?;
         state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
         state.motion.clone_from(&workspace.target);
         state.time_step = time_step;

@@ -6,7 +6,7 @@
 //! in delta, A = C + H delta + Phi delta^2 / 2, and delta is what makes it the particle's own area: the position of
 //! the free surface follows from the volume.
 
-use super::polygon::{BOX, Plane, Polygon, WALL};
+use super::polygon::{BOX, Corner, Plane, WALL};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
@@ -120,7 +120,8 @@ pub enum Bound {
 
 /// One polygon with the planes of its edges.
 pub struct Shape<'a> {
-    pub polygon: &'a Polygon,
+    /// Corners of the polygon, counter-clockwise.
+    pub corners: &'a [Corner],
     pub planes: &'a dyn Fn(u32) -> Plane,
     /// Area of the cell behind a label over its own; of the cell itself for the label `BOX`; 0 for a wall.
     pub fullness: &'a dyn Fn(u32) -> f64,
@@ -128,21 +129,25 @@ pub struct Shape<'a> {
 }
 
 impl Shape<'_> {
+    fn place(&self, k: usize) -> Vector2<f64> {
+        self.corners[if k == self.corners.len() { 0 } else { k }].place
+    }
+
     /// Whether any corner lies in empty space.
     pub fn is_open(&self) -> bool {
-        (0..self.polygon.count()).any(|k| self.is_empty(k))
+        (0..self.corners.len()).any(|k| self.is_empty(k))
     }
 
     /// A closed cell: `add(label, facet)` receives its facets.
     pub fn close(&self, mut add: impl FnMut(u32, Facet)) -> Cell {
-        let count = self.polygon.count();
+        let count = self.corners.len();
         let (mut area, mut moment) = (0.0, Vector2::zeros());
         for k in 0..count {
-            let (a, b) = (self.polygon.corner(k), self.polygon.corner(k + 1));
+            let (a, b) = (self.corners[k].place, self.place(k + 1));
             let twice = a.perp(&b);
             area += 0.5 * twice;
             moment += (a + b) * (twice / 6.0);
-            let label = self.polygon.label(k);
+            let label = self.corners[k].label;
             let plane = (self.planes)(label);
             let along = turn(&plane.normal);
             let (from, to) = (along.dot(&a), along.dot(&b));
@@ -155,11 +160,11 @@ impl Shape<'_> {
 
     /// Whether corner k lies in empty space: far from its particles, and these have more room than their areas fill.
     fn is_empty(&self, k: usize) -> bool {
-        if self.polygon.corner(k).norm_squared() <= (OPEN * self.spacing).powi(2) {
+        if self.corners[k].place.norm_squared() <= (OPEN * self.spacing).powi(2) {
             return false;
         }
-        let count = self.polygon.count();
-        let (before, after) = (self.polygon.label((k + count - 1) % count), self.polygon.label(k));
+        let count = self.corners.len();
+        let (before, after) = (self.corners[(k + count - 1) % count].label, self.corners[k].label);
         if before == BOX || after == BOX {
             return true;
         }
@@ -173,9 +178,9 @@ impl Shape<'_> {
     }
 
     fn bound(&self, k: usize) -> Bound {
-        let (a, b) = (self.polygon.corner(k), self.polygon.corner(k + 1));
-        let label = self.polygon.label(k);
-        match (self.is_empty(k), self.is_empty((k + 1) % self.polygon.count())) {
+        let (a, b) = (self.corners[k].place, self.place(k + 1));
+        let label = self.corners[k].label;
+        match (self.is_empty(k), self.is_empty((k + 1) % self.corners.len())) {
             _ if label == BOX => Bound::Nothing,
             (false, false) => Bound::Whole,
             (false, true) => Bound::Exit,
@@ -191,7 +196,7 @@ impl Shape<'_> {
 
     /// A cell with a free surface, of the area `volume` if the surface can be placed so.
     pub fn surface(&self, volume: f64, mut add: impl FnMut(u32, Facet)) -> Cell {
-        let count = self.polygon.count();
+        let count = self.corners.len();
         let (mut constant, mut linear, mut bend) = (0.0, 0.0, 0.0);
         let mut last_exit: Option<Vector2<f64>> = None;
         let mut first_entry: Option<Vector2<f64>> = None;
@@ -206,9 +211,9 @@ impl Shape<'_> {
             if bound == Bound::Nothing {
                 continue;
             }
-            let plane = (self.planes)(self.polygon.label(k));
+            let plane = (self.planes)(self.corners[k].label);
             let along = turn(&plane.normal);
-            let (from, to) = (along.dot(&self.polygon.corner(k)), along.dot(&self.polygon.corner(k + 1)));
+            let (from, to) = (along.dot(&self.corners[k].place), along.dot(&self.place(k + 1)));
             let h = plane.distance;
             match bound {
                 Bound::Whole => constant += 0.5 * h * (to - from),
@@ -244,15 +249,15 @@ impl Shape<'_> {
     /// Emits the facets of a cell whose free surface stands at `depth`, and returns its centroid.
     fn finish(&self, depth: f64, add: &mut impl FnMut(u32, Facet)) -> Vector2<f64> {
         let mut outline = Outline::default();
-        for k in 0..self.polygon.count() {
+        for k in 0..self.corners.len() {
             let bound = self.bound(k);
             if bound == Bound::Nothing {
                 continue;
             }
-            let label = self.polygon.label(k);
+            let label = self.corners[k].label;
             let plane = (self.planes)(label);
             let along = turn(&plane.normal);
-            let (from, to) = (along.dot(&self.polygon.corner(k)), along.dot(&self.polygon.corner(k + 1)));
+            let (from, to) = (along.dot(&self.corners[k].place), along.dot(&self.place(k + 1)));
             let mut facet = Facet { neighbour: label, bound, normal: plane.normal, height: plane.distance, from, to };
             facet.end_at(depth);
             let foot = plane.normal * plane.distance;

@@ -4,6 +4,7 @@ pub mod cell;
 pub mod cells;
 pub mod operators;
 pub mod polygon;
+pub mod outline;
 pub mod prepare;
 pub mod relax;
 pub mod step;

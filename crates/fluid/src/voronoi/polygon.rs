@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 /// Largest number of corners; a cell has six on average.
-const CAPACITY: usize = 40;
+const CAPACITY: usize = 32;
 /// Edge of the box that every cell starts from.
 pub const BOX: u32 = u32::MAX;
 /// Edges of walls are numbered downwards from here.
@@ -12,95 +12,108 @@ pub const WALL: u32 = u32::MAX - 1;
 /// Half-plane {x : normal . x <= distance} that cuts a cell; `normal` has unit length.
 #[derive(Debug, Clone, Copy)]
 pub struct Plane {
+    /// Unit vector out of the half-plane.
     pub normal: Vector2<f64>,
+    /// Distance of its edge from the origin \[m\].
     pub distance: f64,
 }
 
-/// Corners counter-clockwise, relative to the particle; edge k runs from corner k to corner k + 1 and carries the label
-/// of what made it.
+/// A corner and the edge that runs from it, counter-clockwise.
 #[derive(Debug, Clone, Copy)]
+pub struct Corner {
+    /// Place relative to the particle \[m\].
+    pub place: Vector2<f64>,
+    /// What made the edge from here to the next corner: a particle, a wall or the box.
+    pub label: u32,
+}
+
+/// Corners counter-clockwise, relative to the particle.
 pub struct Polygon {
     count: usize,
-    corners: [Vector2<f64>; CAPACITY],
-    labels: [u32; CAPACITY],
+    current: usize,
+    corners: [[Corner; CAPACITY]; 2],
 }
 
 impl Polygon {
     /// A square with sides 2 `half`.
     pub fn square(half: f64) -> Self {
-        let mut polygon =
-            Self { count: 4, corners: [Vector2::zeros(); CAPACITY], labels: [BOX; CAPACITY] };
-        polygon.corners[0] = Vector2::new(-half, -half);
-        polygon.corners[1] = Vector2::new(half, -half);
-        polygon.corners[2] = Vector2::new(half, half);
-        polygon.corners[3] = Vector2::new(-half, half);
+        let empty = Corner { place: Vector2::zeros(), label: BOX };
+        let mut polygon = Self { count: 4, current: 0, corners: [[empty; CAPACITY]; 2] };
+        for (corner, (x, y)) in polygon.corners[0].iter_mut().zip([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) {
+            corner.place = Vector2::new(x * half, y * half);
+        }
         polygon
     }
 
-    /// Area.
-    pub fn area(&self) -> f64 {
-        0.5 * (0..self.count).map(|k| self.corner(k).perp(&self.corner(k + 1))).sum::<f64>()
+    /// Corners in order.
+    pub fn corners(&self) -> &[Corner] {
+        &self.corners[self.current][..self.count]
     }
 
-    /// Number of corners.
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Corner k, cyclic.
-    #[inline]
-    pub fn corner(&self, k: usize) -> Vector2<f64> {
-        self.corners[if k >= self.count { k - self.count } else { k }]
-    }
-
-    /// Label of edge k, cyclic.
-    #[inline]
-    pub fn label(&self, k: usize) -> u32 {
-        self.labels[if k >= self.count { k - self.count } else { k }]
-    }
-
-    /// Largest squared distance of a corner from the particle.
+    /// Largest squared distance of a corner from the particle \[m2\].
     pub fn squared_reach(&self) -> f64 {
-        self.corners[..self.count].iter().map(|corner| corner.norm_squared()).fold(0.0, f64::max)
+        self.corners().iter().map(|corner| corner.place.norm_squared()).fold(0.0, f64::max)
     }
 
     /// Cuts off what lies beyond the plane by more than `slack`; returns whether anything was.
     pub fn cut(&mut self, plane: &Plane, label: u32, slack: f64) -> bool {
         let count = self.count;
         let mut side = [0.0; CAPACITY];
-        let mut outside = 0;
-        for (value, corner) in side[..count].iter_mut().zip(&self.corners[..count]) {
-            *value = plane.normal.dot(corner) - plane.distance;
-            outside += usize::from(*value > slack);
+        let mut outside = false;
+        for (value, corner) in side.iter_mut().zip(self.corners()) {
+            *value = plane.normal.dot(&corner.place) - plane.distance;
+            outside |= *value > slack;
         }
-        if outside == 0 || count + 2 > CAPACITY {
+        if !outside || count + 2 > CAPACITY {
             return false;
         }
-        let old = *self;
+        let (first, second) = self.corners.split_at_mut(1);
+        let (old, new) = if self.current == 0 { (&first[0], &mut second[0]) } else { (&second[0], &mut first[0]) };
         let mut kept = 0;
-        let mut push = |corner: Vector2<f64>, label: u32, polygon: &mut Self| {
-            polygon.corners[kept] = corner;
-            polygon.labels[kept] = label;
-            kept += 1;
-        };
         for k in 0..count {
             let next = if k + 1 == count { 0 } else { k + 1 };
             let (inside, next_inside) = (side[k] <= slack, side[next] <= slack);
-            let crossing = || {
+            if inside {
+                new[kept] = old[k];
+                kept += 1;
+            }
+            if inside != next_inside {
                 let share = (side[k] / (side[k] - side[next])).clamp(0.0, 1.0);
-                old.corners[k] + (old.corners[next] - old.corners[k]) * share
-            };
-            match (inside, next_inside) {
-                (true, true) => push(old.corners[k], old.labels[k], self),
-                (true, false) => {
-                    push(old.corners[k], old.labels[k], self);
-                    push(crossing(), label, self);
-                }
-                (false, true) => push(crossing(), old.labels[k], self),
-                (false, false) => {}
+                let place = old[k].place + (old[next].place - old[k].place) * share;
+                new[kept] = Corner { place, label: if inside { label } else { old[k].label } };
+                kept += 1;
             }
         }
         self.count = kept;
+        self.current = 1 - self.current;
         true
+    }
+}
+
+/// Area of a polygon \[m2\].
+pub fn area(corners: &[Corner]) -> f64 {
+    let Some(last) = corners.last() else { return 0.0 };
+    let mut before = last.place;
+    let mut twice = 0.0;
+    for corner in corners {
+        twice += before.perp(&corner.place);
+        before = corner.place;
+    }
+    0.5 * twice
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_loses_a_corner() {
+        let mut polygon = Polygon::square(1.0);
+        let plane = Plane { normal: Vector2::new(1.0, 1.0).normalize(), distance: 0.5_f64.sqrt() };
+        assert!(polygon.cut(&plane, 7, 1e-12));
+        assert!((area(polygon.corners()) - 3.5).abs() < 1e-14, "a triangle with legs 1 is gone");
+        let cut: Vec<u32> = polygon.corners().iter().map(|corner| corner.label).filter(|&label| label == 7).collect();
+        assert_eq!(cut.len(), 1);
+        assert!(!polygon.cut(&plane, 8, 1e-12), "the same cut again takes nothing");
     }
 }

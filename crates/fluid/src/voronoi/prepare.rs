@@ -143,17 +143,13 @@ impl Prepared {
         let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
         let (forces, panels) = (&self.forces, &self.panels);
         self.source.resize(state.positions.len(), 0.0);
-        let second_order = accurate.second_order;
-        let surface_gradient = accurate.surface_gradient;
         parallel::fill(&mut self.source, |i| {
             let cell = &cells.cells[i];
             let volume = state.volumes[i];
             let excess = (cell.area - volume).clamp(-LARGEST_EXCESS * volume, LARGEST_EXCESS * volume);
             let mut rate = operators::area_rate(cells, i, velocities);
-            if second_order {
-                rate += time_step * volume * gradients[i].determinant();
-            }
-            if surface_gradient && cell.is_open() {
+            rate += time_step * volume * gradients[i].determinant();
+            if cell.is_open() {
                 let outward = cell.outward;
                 let length = outward.norm();
                 if length > 0.0 {

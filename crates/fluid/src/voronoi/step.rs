@@ -6,6 +6,8 @@ use crate::parallel;
 use crate::parameters::AccurateParameters;
 use crate::prepare::Setting;
 use crate::state::State;
+use crate::walls::FIXED;
+use kinematics::{Body, MaterialPoint};
 use nalgebra::Vector2;
 
 /// u = u* - dt grad p / rho, r = r + dt u.
@@ -27,6 +29,23 @@ pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_s
     let velocities = &state.velocities;
     for (position, velocity) in state.positions.iter_mut().zip(velocities) {
         *position += velocity * time_step;
+    }
+}
+
+/// Adds the load of the pressure on the moving panels to `load`, times `share`, by virtual work. The pressure on a
+/// facet is the one that stopped the water there, so that the water loses what the wall gains.
+pub fn add_body_load(state: &mut State, prepared: &Prepared, setting: &Setting, body: &Body, share: f64) {
+    let State { load, pressures, motion, .. } = state;
+    for (i, pressure) in pressures.iter().enumerate() {
+        for wall in prepared.cells.walls.of(i).iter().filter(|wall| wall.panel != FIXED) {
+            let facet = &wall.facet;
+            let on_wall = pressure + prepared.wall_slope(setting, i, wall) * facet.height;
+            let [start, end] = setting.layout.panels[wall.panel as usize];
+            if let Some(point) = MaterialPoint::between(start, end, wall.fraction) {
+                let force = facet.normal * (on_wall * facet.length() * share);
+                body.add_force(point, &motion.position, force, load);
+            }
+        }
     }
 }
 
@@ -75,5 +94,16 @@ pub fn shift(
     for (i, way) in scratch.iter().enumerate() {
         state.positions[i] += way;
         state.velocities[i] += prepared.gradients[i] * way;
+    }
+}
+
+/// Records what belongs to the state: free surface and how full cells are.
+pub fn record(state: &mut State, prepared: &Prepared, reference_density: f64) {
+    let cells = &prepared.cells.cells;
+    for (flag, cell) in state.surface.iter_mut().zip(cells) {
+        *flag = cell.is_open();
+    }
+    for ((value, cell), volume) in state.number_densities.iter_mut().zip(cells).zip(&state.volumes) {
+        *value = reference_density * volume / cell.area.max(f64::MIN_POSITIVE);
     }
 }

@@ -1,0 +1,128 @@
+//! Figures of the water's outline and of its pressure on walls, from the cells.
+
+use super::cell::{Bound, turn};
+use super::cells::{Cells, Setup};
+use crate::parallel::Lists;
+use crate::parameters::Parameters;
+use crate::prepare::Setting;
+use crate::state::State;
+use crate::walls::{FIXED, Walls};
+use nalgebra::Vector2;
+
+/// The cells of a state, for looking at it.
+pub struct Outline<'a> {
+    state: &'a State,
+    parameters: &'a Parameters,
+    cells: Cells,
+}
+
+impl<'a> Outline<'a> {
+    /// Builds the cells of `state` between `walls`.
+    pub fn new(setting: &'a Setting, state: &'a State, walls: &Walls) -> Self {
+        let mut attachments = Lists::default();
+        attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
+        let mut cells = Cells::default();
+        cells.build(&Setup {
+            positions: &state.positions,
+            volumes: &state.volumes,
+            attachments: &attachments,
+            walls,
+            spacing: setting.spacing,
+        });
+        Self { state, parameters: &setting.parameters, cells }
+    }
+
+    /// Area of all cells \[m2\].
+    pub fn area(&self) -> f64 {
+        self.cells.cells.iter().map(|cell| cell.area).sum()
+    }
+
+    /// The place on the free surface that a particle stands for; none for a cell without a clear outward direction.
+    fn surface_point(&self, i: usize) -> Option<Vector2<f64>> {
+        let cell = &self.cells.cells[i];
+        let length = cell.outward.norm();
+        let clear = cell.is_open() && length > 0.3 * cell.surface;
+        clear.then(|| self.state.positions[i] + cell.outward * (cell.depth / length))
+    }
+
+    /// Calls `visit` with places on the outline of the water that has company: surface points and facet ends.
+    fn visit_outline(&self, mut visit: impl FnMut(Vector2<f64>)) {
+        for (i, position) in self.state.positions.iter().enumerate() {
+            let facets = self.cells.facets.of(i);
+            if facets.len() < 2 {
+                continue;
+            }
+            if let Some(point) = self.surface_point(i) {
+                visit(point);
+            }
+            for facet in facets.iter().chain(self.cells.walls.of(i).iter().map(|wall| &wall.facet)) {
+                let (foot, along) = (position + facet.normal * facet.height, turn(&facet.normal));
+                visit(foot + along * facet.from);
+                visit(foot + along * facet.to);
+            }
+        }
+    }
+
+    /// Lowest and highest x and y, and largest distance from the origin \[m\].
+    pub fn extent(&self) -> ([Vector2<f64>; 2], f64) {
+        let (mut low, mut high, mut farthest) = (Vector2::repeat(f64::MAX), Vector2::repeat(f64::MIN), 0.0_f64);
+        self.visit_outline(|point| {
+            low = low.inf(&point);
+            high = high.sup(&point);
+            farthest = farthest.max(point.norm());
+        });
+        if low.x > high.x { ([Vector2::zeros(); 2], 0.0) } else { ([low, high], farthest) }
+    }
+
+    /// Highest place where the free surface crosses the vertical line at `x`; `lowest` where it does not \[m\].
+    pub fn level(&self, x: f64, lowest: f64) -> f64 {
+        let mut highest = lowest;
+        for (i, position) in self.state.positions.iter().enumerate() {
+            let Some(middle) = self.surface_point(i) else { continue };
+            let facets = self.cells.facets.of(i);
+            if facets.len() < 2 || (position.x - x).abs() > 3.0 * self.cells.cells[i].surface {
+                continue;
+            }
+            for facet in facets.iter().chain(self.cells.walls.of(i).iter().map(|wall| &wall.facet)) {
+                let (foot, along) = (position + facet.normal * facet.height, turn(&facet.normal));
+                let ends = match facet.bound {
+                    Bound::Exit => [Some(facet.to), None],
+                    Bound::Entry => [None, Some(facet.from)],
+                    Bound::Chord => [Some(facet.to), Some(facet.from)],
+                    _ => [None, None],
+                };
+                for end in ends.into_iter().flatten() {
+                    if let Some(y) = crossing(&middle, &(foot + along * end), x) {
+                        highest = highest.max(y);
+                    }
+                }
+            }
+        }
+        highest
+    }
+
+    /// Force of the water on the fixed walls \[N/m\].
+    pub fn fixed_wall_force(&self) -> Vector2<f64> {
+        let mut force = Vector2::zeros();
+        for (i, position) in self.state.positions.iter().enumerate() {
+            for wall in self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
+                let facet = &wall.facet;
+                let slope = self.parameters.density
+                    * self.parameters.body_force(position, self.state.time).dot(&facet.normal);
+                force += facet.normal * (facet.length() * (self.state.pressures[i] + slope * facet.height));
+            }
+        }
+        force
+    }
+}
+
+/// Height at which the straight line between two points passes the abscissa `x`.
+fn crossing(a: &Vector2<f64>, b: &Vector2<f64>, x: f64) -> Option<f64> {
+    let slack = 1e-9 * (a - b).norm();
+    if x < a.x.min(b.x) - slack || x > a.x.max(b.x) + slack {
+        return None;
+    }
+    let width = b.x - a.x;
+    let share = if width.abs() <= slack { 1.0 } else { ((x - a.x) / width).clamp(0.0, 1.0) };
+    Some(a.y + share * (b.y - a.y))
+}
