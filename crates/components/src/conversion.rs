@@ -126,6 +126,7 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         shaking,
         spacing: part.spacing,
         scheme: match part.scheme {
+            scene::Scheme::Accurate => fluid::Scheme::Accurate(accurate(&part.accurate)),
             scene::Scheme::Paper => fluid::Scheme::Paper(paper(&part.paper)),
         },
         solve: fluid::SolveParameters {
@@ -142,13 +143,24 @@ fn start(start: &scene::Start) -> fluid::AffineVelocity {
     fluid::AffineVelocity { constant: vector(start.velocity), gradient }
 }
 
-/// Free flow needs 1e-3 only; the loads on a body that answers to them must be as good as the coupling's tolerance.
+/// Free flow needs 1e-3 with the scheme `paper` and 1e-5 with `accurate`, whose other errors are smaller; the loads on a body that answers to them must be as good as the coupling's tolerance.
 fn solve_tolerance(scene: &Scene, given: f64) -> f64 {
     let moves = scene.structure.as_ref().is_some_and(|structure| !structure.free.is_empty()) || scene.modes() > 0;
     match given {
         tolerance if tolerance > 0.0 => tolerance,
         _ if moves => 1e-8,
+        _ if scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == scene::Scheme::Accurate) => 1e-5,
         _ => 1e-3,
+    }
+}
+
+fn accurate(accurate: &scene::Accurate) -> fluid::AccurateParameters {
+    fluid::AccurateParameters {
+        alpha: accurate.alpha,
+        courant: accurate.courant,
+        shifting: accurate.shifting,
+        repulsion: accurate.repulsion,
+        smoothing: accurate.smoothing,
     }
 }
 
@@ -186,6 +198,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_scheme_parameters_gets_the_solvers_defaults() {
+        assert_eq!(accurate(&scene::Accurate::default()), fluid::AccurateParameters::default());
         assert_eq!(paper(&scene::Paper::default()), fluid::PaperParameters::default());
     }
 
@@ -233,7 +246,9 @@ mod tests {
     #[test]
     fn free_flow_needs_less_and_a_given_tolerance_stays() {
         let text = &SCENE[..SCENE.find("[structure]").unwrap()];
-        assert_eq!(fluid(&scene(text)).unwrap().0.solve.tolerance, 1e-3);
+        assert_eq!(fluid(&scene(text)).unwrap().0.solve.tolerance, 1e-5);
+        let paper = text.replace("spacing = 0.01", "spacing = 0.01\nscheme = 'paper'");
+        assert_eq!(fluid(&scene(&paper)).unwrap().0.solve.tolerance, 1e-3);
         let given = text.replace("spacing = 0.01", "spacing = 0.01\nsolve = { tolerance = 1e-5 }");
         assert_eq!(fluid(&scene(&given)).unwrap().0.solve.tolerance, 1e-5);
         assert!(structure(&scene(text)).unwrap_err().to_string().contains("[structure]"));

@@ -82,7 +82,8 @@ fn main() {
         repulsion: number("repulsion", 20.0),
         smoothing: number("smoothing", 1.0),
     };
-    let scheme = if keys.contains_key("paper") { Scheme::Paper(PaperParameters::default()) } else { Scheme::Accurate(accurate) };
+    let scheme =
+        if keys.contains_key("paper") { Scheme::Paper(PaperParameters::default()) } else { Scheme::Accurate(accurate) };
     let parameters = Parameters {
         density: 1000.0,
         gravity,
@@ -112,7 +113,12 @@ fn main() {
     let mut series = Vec::new();
     let still = Motion::at_rest(0);
     let e0 = first.kinetic_energy + first.potential_energy;
-    println!("particles {} E0 {e0:.6} kinetic {:.6} centre {:.6?}", state.positions.len(), first.kinetic_energy, first.centre);
+    println!(
+        "particles {} E0 {e0:.6} kinetic {:.6} centre {:.6?}",
+        state.positions.len(),
+        first.kinetic_energy,
+        first.centre
+    );
     println!("time steps  E/E0-1  kinetic  maxspeed  centre.y  extent  farthest front  probe level area lost");
     let mut saved = 0;
     for k in 0..samples {
@@ -120,24 +126,51 @@ fn main() {
             Ok(report) => {
                 iterations += report.iterations;
                 let s = &report.stages;
-                stages.neighbours += s.neighbours; stages.assembly += s.assembly; stages.solve += s.solve;
-                stages.gradient += s.gradient; stages.other += s.other;
+                stages.neighbours += s.neighbours;
+                stages.assembly += s.assembly;
+                stages.solve += s.solve;
+                stages.gradient += s.gradient;
+                stages.other += s.other;
             }
-            Err(error) => { println!("{error}"); break; }
+            Err(error) => {
+                println!("{error}");
+                break;
+            }
         }
         let seen = solver.observe(&state);
         let energy = seen.kinetic_energy + seen.potential_energy;
         if (k + 1) % (samples / rows).max(1) == 0 {
             println!(
                 "{:.4} {} {:+.5} {:.5} {:.4} {:.6} [{:.4} {:.4}] {:.5} {:.4} {:.2} {:.5?} {:.6} {}",
-                state.time, state.steps, energy / e0 - 1.0, seen.kinetic_energy, seen.maximum_speed, seen.centre.y,
-                seen.extent[1].x, seen.extent[1].y, seen.farthest, seen.front, seen.probes.first().unwrap_or(&0.0), seen.levels, seen.area, seen.lost
+                state.time,
+                state.steps,
+                energy / e0 - 1.0,
+                seen.kinetic_energy,
+                seen.maximum_speed,
+                seen.centre.y,
+                seen.extent[1].x,
+                seen.extent[1].y,
+                seen.farthest,
+                seen.front,
+                seen.probes.first().unwrap_or(&0.0),
+                seen.levels,
+                seen.area,
+                seen.lost
             );
             if let Some(out) = keys.get("out") {
                 let mut text = String::from("x,y,u,v,p,s,n\n");
                 for i in 0..state.positions.len() {
                     let (r, u) = (state.positions[i], state.velocities[i]);
-                    text += &format!("{},{},{},{},{},{},{}\n", r.x, r.y, u.x, u.y, state.pressures[i], u8::from(state.surface[i]), state.number_densities[i] / n0);
+                    text += &format!(
+                        "{},{},{},{},{},{},{}\n",
+                        r.x,
+                        r.y,
+                        u.x,
+                        u.y,
+                        state.pressures[i],
+                        u8::from(state.surface[i]),
+                        state.number_densities[i] / n0
+                    );
                 }
                 std::fs::write(format!("{out}_{saved:03}.csv"), text).unwrap();
                 saved += 1;
@@ -146,15 +179,23 @@ fn main() {
         series.push((state.time, energy, seen));
     }
     let wall = begin.elapsed().as_secs_f64();
-    println!("wall {wall:.2} s, {} steps, {:.1} iterations a step, {:.3} M particle-steps/s  {stages:?}", state.steps,
-        iterations as f64 / state.steps as f64, 1e-6 * state.steps as f64 * state.positions.len() as f64 / wall);
+    println!(
+        "wall {wall:.2} s, {} steps, {:.1} iterations a step, {:.3} M particle-steps/s  {stages:?}",
+        state.steps,
+        iterations as f64 / state.steps as f64,
+        1e-6 * state.steps as f64 * state.positions.len() as f64 / wall
+    );
     let half = series.len() / 2;
     if let Some(out) = keys.get("series") {
         let mut text = String::new();
         for (time, energy, seen) in &series {
             text += &format!("{time},{energy},{},{}", seen.kinetic_energy, seen.front);
-            for p in &seen.probes { text += &format!(",{p}"); }
-            for p in &seen.levels { text += &format!(",{p}"); }
+            for p in &seen.probes {
+                text += &format!(",{p}");
+            }
+            for p in &seen.levels {
+                text += &format!(",{p}");
+            }
             text += "\n";
         }
         std::fs::write(out, text).unwrap();
@@ -166,9 +207,23 @@ fn main() {
             let rms = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
             println!("probe {p}: mean {mean:.2} rms {:.5} of rho g H", rms / 4905.0);
         }
-        let l2 = (state.positions.iter().zip(&state.pressures).map(|(r, p)| (p - 9810.0 * (0.5 - r.y)).powi(2)).sum::<f64>() / state.positions.len() as f64).sqrt();
-        let speed = series[half..].iter().map(|s| 2.0 * s.2.kinetic_energy / 500.0).sum::<f64>() / (series.len() - half) as f64;
-        println!("L2 p {:.5}, rms velocity {:.5}, fall {:.5} of H, force {:.2}", l2 / 4905.0, speed.sqrt(), (first.centre.y - state.positions.iter().map(|r| r.y).sum::<f64>() / state.positions.len() as f64) / 0.5, series.last().unwrap().2.wall_force.y);
+        let l2 = (state
+            .positions
+            .iter()
+            .zip(&state.pressures)
+            .map(|(r, p)| (p - 9810.0 * (0.5 - r.y)).powi(2))
+            .sum::<f64>()
+            / state.positions.len() as f64)
+            .sqrt();
+        let speed =
+            series[half..].iter().map(|s| 2.0 * s.2.kinetic_energy / 500.0).sum::<f64>() / (series.len() - half) as f64;
+        println!(
+            "L2 p {:.5}, rms velocity {:.5}, fall {:.5} of H, force {:.2}",
+            l2 / 4905.0,
+            speed.sqrt(),
+            (first.centre.y - state.positions.iter().map(|r| r.y).sum::<f64>() / state.positions.len() as f64) / 0.5,
+            series.last().unwrap().2.wall_force.y
+        );
     }
     if case == "wave" {
         let signal: Vec<(f64, f64)> = series.iter().map(|s| (s.0, s.2.potential_energy)).collect();
@@ -177,10 +232,16 @@ fn main() {
         let mut crossings = Vec::new();
         for pair in series.windows(2) {
             let (a, b) = (pair[0].2.levels[0] - mean, pair[1].2.levels[0] - mean);
-            if a > 0.0 && b <= 0.0 { crossings.push(pair[0].0 + (pair[1].0 - pair[0].0) * a / (a - b)); }
+            if a > 0.0 && b <= 0.0 {
+                crossings.push(pair[0].0 + (pair[1].0 - pair[0].0) * a / (a - b));
+            }
         }
         let period = (crossings.last().unwrap() - crossings[0]) / (crossings.len() - 1) as f64;
         let rest = 500.0 * 9.81 * 0.25;
-        println!("period {period:.5} over {} ; wave energy left {:.4}", crossings.len() - 1, (series.last().unwrap().1 - rest) / (e0 - rest));
+        println!(
+            "period {period:.5} over {} ; wave energy left {:.4}",
+            crossings.len() - 1,
+            (series.last().unwrap().1 - rest) / (e0 - rest)
+        );
     }
 }

@@ -41,7 +41,9 @@ pub use images::{Image, Mirror};
 pub use kernel::Kernel;
 pub use neighbours::Neighbourhood;
 pub use observe::Observables;
-pub use parameters::{AccurateParameters, AffineVelocity, Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters, Source};
+pub use parameters::{
+    AccurateParameters, AffineVelocity, Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters, Source,
+};
 pub use report::{Report, StageTimes};
 pub use solver::{Solver, Workspace};
 pub use state::State;

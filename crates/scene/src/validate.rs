@@ -157,6 +157,12 @@ fn validate_fluid(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
     check.positive("fluid.spacing", fluid.spacing)?;
     check.within("fluid.threads", fluid.threads as f64, 0.0, 1024.0)?;
     validate_forcing(check, fluid)?;
+    let accurate = &fluid.accurate;
+    check.within("fluid.accurate.alpha", accurate.alpha, 0.0, 1.0)?;
+    check.within("fluid.accurate.courant", accurate.courant, 0.01, 1.0)?;
+    check.within("fluid.accurate.shifting", accurate.shifting, 0.0, 10.0)?;
+    check.within("fluid.accurate.repulsion", accurate.repulsion, 0.0, 100.0)?;
+    check.within("fluid.accurate.smoothing", accurate.smoothing, 0.0, 10.0)?;
     let paper = &fluid.paper;
     check.within("fluid.paper.influence_radius", paper.influence_radius, 2.1, 4.0)?;
     check.within("fluid.paper.alpha", paper.alpha, 0.0, 1.0)?;

@@ -16,6 +16,10 @@ pub const OPEN: f64 = 1.1;
 const ROOMY: f64 = 1.35;
 /// Largest distance in spacings of two particles that touch though both ends of their facet lie in empty space.
 const TOUCHING: f64 = 1.6;
+/// Largest turn of the free surface that is a corner \[rad\].
+const SHARPEST: f64 = 1.9;
+/// Ratio of |S| to the length of the surface at and below which the surface counts as round.
+const ROUND: f64 = 0.8;
 /// Least and largest distance of the free surface from a particle, in spacings.
 const DEPTHS: [f64; 2] = [0.15, 0.8];
 
@@ -95,12 +99,24 @@ impl Cell {
     pub fn is_open(&self) -> bool {
         self.surface > 0.0
     }
+
+    /// 1 where the free surface is straight, 0 where it turns by a right angle or more.
+    pub fn flatness(&self) -> f64 {
+        ((self.outward.norm() / self.surface - ROUND) / (1.0 - ROUND)).clamp(0.0, 1.0)
+    }
 }
 
 /// A vector turned counter-clockwise by a right angle.
 #[inline]
 pub fn turn(vector: &Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-vector.y, vector.x)
+}
+
+/// What a turn of the free surface by `angle` adds to its length, over delta: straight sides meet in a point up to
+/// `SHARPEST`; beyond, the surface goes round.
+fn corner_bend(angle: f64) -> f64 {
+    let sharp = angle.clamp(-SHARPEST, SHARPEST);
+    2.0 * (0.5 * sharp).tan() + (angle - sharp).max(0.0)
 }
 
 /// How an edge of the polygon bounds the cell.
@@ -204,7 +220,7 @@ impl Shape<'_> {
             let angle = from.perp(to).atan2(from.dot(to));
             let angle = if angle <= 1e-9 { angle + 2.0 * PI } else { angle };
             let outside = angle - PI;
-            bend += if outside >= 0.0 { outside } else { -2.0 * (0.5 * outside.max(-2.0)).abs().tan() };
+            bend += corner_bend(outside);
         };
         for k in 0..count {
             let bound = self.bound(k);

@@ -12,8 +12,6 @@ use rayon::prelude::*;
 const BOX: f64 = 1.4;
 /// Share of a spacing below which a facet is dropped: touching corners of a square lattice.
 const SLACK: f64 = 1e-9;
-/// Ratio of |S| to the length of the surface at and below which the surface counts as round.
-const ROUND: f64 = 0.8;
 /// Distance in spacings up to which neighbours are looked for first.
 const NEAR: f64 = 1.7;
 /// Largest number of neighbours that cut one cell.
@@ -143,8 +141,7 @@ impl Cells {
             cell.outward = -closed;
             let rest = Matrix2::identity() * setup.volumes[i] - moment;
             let exact = rest * cell.outward / (cell.surface * cell.depth);
-            let flatness = ((cell.outward.norm() / cell.surface - ROUND) / (1.0 - ROUND)).clamp(0.0, 1.0);
-            cell.lift = cell.outward + (exact - cell.outward) * flatness;
+            cell.lift = cell.outward + (exact - cell.outward) * cell.flatness();
         });
     }
 }

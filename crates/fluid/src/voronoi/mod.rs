@@ -3,8 +3,8 @@
 pub mod cell;
 pub mod cells;
 pub mod operators;
-pub mod polygon;
 pub mod outline;
+pub mod polygon;
 pub mod prepare;
 pub mod relax;
 pub mod step;

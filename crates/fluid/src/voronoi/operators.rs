@@ -16,9 +16,8 @@ use nalgebra::{Matrix2, Vector2};
 /// Rate of the area of cell i over the facets to particles \[m2/s\].
 pub fn area_rate(cells: &Cells, i: usize, velocities: &[Vector2<f64>]) -> f64 {
     let own = velocities[i];
-    let between = |facet: &super::cell::Facet| {
-        facet.weight() * facet.beyond().dot(&(velocities[facet.neighbour as usize] - own))
-    };
+    let between =
+        |facet: &super::cell::Facet| facet.weight() * facet.beyond().dot(&(velocities[facet.neighbour as usize] - own));
     cells.facets.of(i).iter().map(between).sum()
 }
 

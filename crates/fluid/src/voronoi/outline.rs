@@ -49,7 +49,7 @@ impl<'a> Outline<'a> {
     fn visit_outline(&self, mut visit: impl FnMut(Vector2<f64>)) {
         for (i, position) in self.state.positions.iter().enumerate() {
             let facets = self.cells.facets.of(i);
-            if facets.len() < 2 {
+            if facets.is_empty() {
                 continue;
             }
             if let Some(point) = self.surface_point(i) {
@@ -107,8 +107,8 @@ impl<'a> Outline<'a> {
         for (i, position) in self.state.positions.iter().enumerate() {
             for wall in self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
                 let facet = &wall.facet;
-                let slope = self.parameters.density
-                    * self.parameters.body_force(position, self.state.time).dot(&facet.normal);
+                let slope =
+                    self.parameters.density * self.parameters.body_force(position, self.state.time).dot(&facet.normal);
                 force += facet.normal * (facet.length() * (self.state.pressures[i] + slope * facet.height));
             }
         }

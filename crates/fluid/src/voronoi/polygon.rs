@@ -39,7 +39,8 @@ impl Polygon {
     pub fn square(half: f64) -> Self {
         let empty = Corner { place: Vector2::zeros(), label: BOX };
         let mut polygon = Self { count: 4, current: 0, corners: [[empty; CAPACITY]; 2] };
-        for (corner, (x, y)) in polygon.corners[0].iter_mut().zip([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) {
+        for (corner, (x, y)) in polygon.corners[0].iter_mut().zip([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+        {
             corner.place = Vector2::new(x * half, y * half);
         }
         polygon

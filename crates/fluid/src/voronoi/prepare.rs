@@ -103,9 +103,7 @@ impl Prepared {
         let forces = &self.forces;
         parallel::fill(&mut self.velocities, |i| state.velocities[i] + forces[i] * time_step);
         let (cells, velocities) = (&self.cells, &self.velocities);
-        parallel::fill(&mut self.gradients, |i| {
-            operators::velocity_gradient(cells, i, &state.positions, velocities)
-        });
+        parallel::fill(&mut self.gradients, |i| operators::velocity_gradient(cells, i, &state.positions, velocities));
     }
 
     /// Takes out of u* what its neighbours' linear fields do not explain: noise of the wave length of a cell. A linear

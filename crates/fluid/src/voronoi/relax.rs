@@ -19,12 +19,7 @@ fn is_box(polygon: &[Vector2<f64>]) -> bool {
 
 /// Moves the particles of every polygon that is no box to the centroids of their cells within it, and returns the area
 /// that each particle owns \[m2\]. `counts` are the numbers of particles of the polygons, in order.
-pub fn relax(
-    positions: &mut [Vector2<f64>],
-    counts: &[usize],
-    water: &[Vec<Vector2<f64>>],
-    spacing: f64,
-) -> Vec<f64> {
+pub fn relax(positions: &mut [Vector2<f64>], counts: &[usize], water: &[Vec<Vector2<f64>>], spacing: f64) -> Vec<f64> {
     let mut volumes = Vec::with_capacity(positions.len());
     let mut rest = positions;
     for (polygon, &count) in water.iter().zip(counts) {
@@ -53,8 +48,7 @@ fn settle(positions: &mut [Vector2<f64>], polygon: &[Vector2<f64>], spacing: f64
     let mut cells = Cells::default();
     for iteration in 0..=ITERATIONS {
         attachments.build(positions.len(), |i, out| walls.attach(&positions[i], out));
-        let setup =
-            Setup { positions, volumes: &volumes, attachments: &attachments, walls: &walls, spacing };
+        let setup = Setup { positions, volumes: &volumes, attachments: &attachments, walls: &walls, spacing };
         cells.build(&setup);
         if iteration == ITERATIONS {
             break;

@@ -83,11 +83,12 @@ pub fn shift(
         way += apart * (accurate.repulsion * rate).min(0.1);
         if cell.is_open() {
             let length = cell.outward.norm();
-            if length < 0.3 * cell.surface {
+            let flatness = cell.flatness();
+            if flatness == 0.0 {
                 return Vector2::zeros();
             }
             let normal = cell.outward / length;
-            way -= normal * way.dot(&normal);
+            way = (way - normal * way.dot(&normal)) * flatness;
         }
         way
     });
