@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{dam_break_plate, parameters};
+use common::{accurate, dam_break_plate, paper, parameters};
 use fluid::{Solver, State, Workspace};
 use kinematics::Motion;
 
@@ -26,42 +26,46 @@ fn advance(solver: &Solver, state: &mut State, workspace: &mut Workspace, steps:
 
 #[test]
 fn one_and_two_threads_give_the_same_bits() {
-    let run = |threads| {
-        let solver = Solver::new(parameters(0.006, 1e-6, threads), dam_break_plate()).unwrap();
-        let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
-        advance(&solver, &mut state, &mut workspace, 180);
-        state
-    };
-    let (one, two) = (run(1), run(2));
-    assert!(one.load.iter().any(|value| *value != 0.0), "the wave must have reached the plate");
-    assert!(one == two, "states differ at t = {}", one.time);
+    for scheme in [paper(), accurate()] {
+        let run = |threads| {
+            let solver = Solver::new(parameters(scheme.clone(), 0.006, 1e-6, threads), dam_break_plate()).unwrap();
+            let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
+            advance(&solver, &mut state, &mut workspace, 180);
+            state
+        };
+        let (one, two) = (run(1), run(2));
+        assert!(one.load.iter().any(|value| *value != 0.0), "the wave must have reached the plate");
+        assert!(one == two, "{scheme:?}: states differ at t = {}", one.time);
+    }
 }
 
 #[test]
 fn a_repeat_from_a_saved_state_gives_the_same_bits_and_reuses_the_preparation() {
-    let solver = Solver::new(parameters(0.006, 1e-6, 2), dam_break_plate()).unwrap();
-    let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
-    advance(&solver, &mut state, &mut workspace, 150);
-    let saved = state.clone();
-    let duration = 0.5 * saved.time_step;
-    let end = motion(saved.time + duration);
-    let first = solver.step(&mut state, &end, duration, &mut workspace).unwrap();
-    let expected = state.clone();
-    let mut other = saved.clone();
-    solver.step(&mut other, &motion(0.3), duration, &mut workspace).unwrap();
-    assert!(other != expected, "another motion must give another state");
-    let mut again = saved.clone();
-    let repeat = solver.step(&mut again, &end, duration, &mut workspace).unwrap();
-    assert!(again == expected, "a repeat differs");
-    assert_eq!((first.substeps, first.reused, repeat.reused), (1, 0, 1));
-    let mut fresh = saved.clone();
-    solver.step(&mut fresh, &end, duration, &mut solver.workspace()).unwrap();
-    assert!(fresh == expected, "a fresh workspace differs");
+    for scheme in [paper(), accurate()] {
+        let solver = Solver::new(parameters(scheme.clone(), 0.006, 1e-6, 2), dam_break_plate()).unwrap();
+        let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
+        advance(&solver, &mut state, &mut workspace, 150);
+        let saved = state.clone();
+        let duration = 0.5 * saved.time_step;
+        let end = motion(saved.time + duration);
+        let first = solver.step(&mut state, &end, duration, &mut workspace).unwrap();
+        let expected = state.clone();
+        let mut other = saved.clone();
+        solver.step(&mut other, &motion(0.3), duration, &mut workspace).unwrap();
+        assert!(other != expected, "{scheme:?}: another motion must give another state");
+        let mut again = saved.clone();
+        let repeat = solver.step(&mut again, &end, duration, &mut workspace).unwrap();
+        assert!(again == expected, "{scheme:?}: a repeat differs");
+        assert_eq!((first.substeps, first.reused, repeat.reused), (1, 0, 1), "{scheme:?}");
+        let mut fresh = saved.clone();
+        solver.step(&mut fresh, &end, duration, &mut solver.workspace()).unwrap();
+        assert!(fresh == expected, "{scheme:?}: a fresh workspace differs");
+    }
 }
 
 #[test]
 fn a_refused_step_leaves_the_state_alone() {
-    let solver = Solver::new(parameters(0.006, 1e-6, 1), dam_break_plate()).unwrap();
+    let solver = Solver::new(parameters(paper(), 0.006, 1e-6, 1), dam_break_plate()).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let before = state.clone();
     let mut bad = Motion::at_rest(2);

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use fluid::{Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters};
+use fluid::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters};
 use kinematics::{Beam, BeamModes, Body, Support};
 use nalgebra::Vector2;
 
@@ -14,14 +14,24 @@ pub fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Vector2<f64>> {
     points(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
 }
 
-pub fn parameters(spacing: f64, tolerance: f64, threads: usize) -> Parameters {
+/// The scheme of the paper with its defaults.
+pub fn paper() -> Scheme {
+    Scheme::Paper(PaperParameters::default())
+}
+
+/// The accurate scheme with its defaults.
+pub fn accurate() -> Scheme {
+    Scheme::Accurate(AccurateParameters::default())
+}
+
+pub fn parameters(scheme: Scheme, spacing: f64, tolerance: f64, threads: usize) -> Parameters {
     Parameters {
         density: 1000.0,
         gravity: Vector2::new(0.0, -9.81),
         attraction: 0.0,
         shaking: Shaking::default(),
         spacing,
-        scheme: Scheme::Paper(PaperParameters::default()),
+        scheme,
         solve: SolveParameters { tolerance, maximum_iterations: 500 },
         threads,
     }
