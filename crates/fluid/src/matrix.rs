@@ -4,6 +4,7 @@ use crate::neighbours::Neighbourhood;
 use crate::parallel::{self, Lists};
 use crate::voronoi::cell::Facet;
 use crate::voronoi::cells::Cells;
+use crate::voronoi::enclosed;
 use nalgebra::Vector2;
 
 /// Row number of a particle that is no unknown.
@@ -31,6 +32,8 @@ pub struct Matrix {
     pub diagonal: Vec<f64>,
     /// Sum of each row: the weight of surface neighbours, where p = 0.
     pub row_sums: Vec<f64>,
+    reached: Vec<bool>,
+    queue: Vec<u32>,
 }
 
 impl Matrix {
@@ -89,7 +92,7 @@ impl Matrix {
             let cell = &cells.cells[i];
             if cell.is_open() { cell.surface / cell.depth } else { 0.0 }
         });
-        let enclosed = self.row_sums.iter().all(|&sum| sum == 0.0);
+        let enclosed = enclosed::settle(cells, &mut self.row_sums, &mut self.reached, &mut self.queue);
         let scale = if enclosed { 1.0 + 1e-10 } else { 1.0 };
         self.diagonal.resize(count, 0.0);
         let (entries, row_sums) = (&self.entries, &self.row_sums);

@@ -12,6 +12,9 @@ use std::f64::consts::PI;
 
 /// Distance in spacings from which on a corner lies in empty space. A rectangular lattice stretched 2:1 just closes.
 pub const OPEN: f64 = 1.1;
+/// Distance in spacings from which on it always does. Nearer corners are seen alike by all cells that share them, since
+/// particles are looked for up to twice this distance.
+pub const FAR: f64 = 1.4;
 /// Mean room of the cells around such a corner, over their areas, from which on the corner lies in empty space.
 const ROOMY: f64 = 1.35;
 /// Largest distance in spacings of two particles that touch though both ends of their facet lie in empty space.
@@ -66,6 +69,17 @@ impl Facet {
         self.normal * self.height - turn(&self.normal) * (0.5 * (self.from + self.to))
     }
 
+    /// Shortens the facet to what the neighbour sees of it too.
+    pub fn agree(&mut self, seen: Option<&Self>) {
+        let Some(seen) = seen else {
+            self.to = self.from;
+            return;
+        };
+        let (from, to) = (self.from.max(-seen.to), self.to.min(-seen.from));
+        let middle = 0.5 * (from + to);
+        (self.from, self.to) = if from > to { (middle, middle) } else { (from, to) };
+    }
+
     /// Ends the facet where the free surface crosses it, `depth` outside the foot.
     pub fn end_at(&mut self, depth: f64) {
         match self.bound {
@@ -92,6 +106,8 @@ pub struct Cell {
     pub outward: Vector2<f64>,
     /// Weight of the particle's pressure in the force that the free surface puts on the cell \[m\].
     pub lift: Vector2<f64>,
+    /// Whether its facets might not be those of its neighbours: beside walls and where corners may lie in empty space.
+    pub odd: bool,
 }
 
 impl Cell {
@@ -154,6 +170,12 @@ impl Shape<'_> {
         (0..self.corners.len()).any(|k| self.is_empty(k))
     }
 
+    /// Whether the other cells might see other facets than this one.
+    pub fn is_odd(&self, walls: usize) -> bool {
+        let limit = (0.99 * OPEN * self.spacing).powi(2);
+        walls > 0 || self.corners.iter().any(|corner| corner.place.norm_squared() > limit)
+    }
+
     /// A closed cell: `add(label, facet)` receives its facets.
     pub fn close(&self, mut add: impl FnMut(u32, Facet)) -> Cell {
         let count = self.corners.len();
@@ -176,8 +198,9 @@ impl Shape<'_> {
 
     /// Whether corner k lies in empty space: far from its particles, and these have more room than their areas fill.
     fn is_empty(&self, k: usize) -> bool {
-        if self.corners[k].place.norm_squared() <= (OPEN * self.spacing).powi(2) {
-            return false;
+        let squared = self.corners[k].place.norm_squared() / (self.spacing * self.spacing);
+        if squared <= OPEN * OPEN || squared > FAR * FAR {
+            return squared > FAR * FAR;
         }
         let count = self.corners.len();
         let (before, after) = (self.corners[(k + count - 1) % count].label, self.corners[k].label);

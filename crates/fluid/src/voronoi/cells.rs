@@ -1,6 +1,6 @@
 //! The cells of all particles.
 
-use super::cell::{Bound, Cell, Facet, Shape, wall_of};
+use super::cell::{Bound, Cell, FAR, Facet, Shape, wall_of};
 use super::polygon::{self, Corner, Plane, Polygon, WALL};
 use crate::grid::Grid;
 use crate::parallel::{self, Lists};
@@ -8,8 +8,8 @@ use crate::walls::{Attachment, FIXED, Segment, Walls};
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 
-/// Half-width in spacings of the box that a cell starts from: its corners lie in empty space.
-const BOX: f64 = 1.4;
+/// Half-width in spacings of the box that a cell starts from: it lies in empty space.
+const BOX: f64 = FAR;
 /// Share of a spacing below which a facet is dropped: touching corners of a square lattice.
 const SLACK: f64 = 1e-9;
 /// Distance in spacings up to which neighbours are looked for first.
@@ -39,6 +39,7 @@ pub struct Cells {
     pub walls: Lists<WallFacet>,
     /// One cell per particle.
     pub cells: Vec<Cell>,
+    agreed: Lists<Facet>,
     corners: Lists<Corner>,
     planes: Lists<WallPlane>,
     room: Vec<f64>,
@@ -94,7 +95,25 @@ impl Cells {
                 facet.end_at(0.5 * (depths[i] + depths[facet.neighbour as usize]));
             }
         });
+        self.agree(setup);
         self.close_surfaces(setup);
+    }
+
+    /// Lets two cells have the same facet between them where a wall cuts them differently, or rounding decided whether
+    /// a corner lies in empty space: the matrix is symmetric, and what one cell gives the other takes.
+    fn agree(&mut self, setup: &Setup) {
+        let (seen, cells) = (&self.facets, &self.cells);
+        self.agreed.build(setup.positions.len(), |i, out| {
+            for facet in seen.of(i) {
+                let mut facet = *facet;
+                let j = facet.neighbour as usize;
+                if cells[i].odd || cells[j].odd {
+                    facet.agree(seen.of(j).iter().find(|other| other.neighbour as usize == i));
+                }
+                out.push(facet);
+            }
+        });
+        std::mem::swap(&mut self.facets, &mut self.agreed);
     }
 
     /// Facets and cells from the polygons.
@@ -122,6 +141,7 @@ impl Cells {
                 None => facets.push(facet),
             };
             *cell = if shape.is_open() { shape.surface(setup.volumes[i], add) } else { shape.close(add) };
+            cell.odd = shape.is_odd(own.len());
         });
     }
 

@@ -2,9 +2,13 @@
 
 pub mod cell;
 pub mod cells;
+pub mod enclosed;
 pub mod operators;
 pub mod outline;
 pub mod polygon;
 pub mod prepare;
 pub mod relax;
 pub mod step;
+
+#[cfg(test)]
+mod verification;
