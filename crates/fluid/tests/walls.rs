@@ -1,4 +1,5 @@
 //! Verification of walls: what particles see at them, what they feel, and that nothing passes.
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod common;
 
