@@ -160,6 +160,7 @@ fn accurate(accurate: &scene::Accurate) -> fluid::AccurateParameters {
         courant: accurate.courant,
         shifting: accurate.shifting,
         repulsion: accurate.repulsion,
+        spreading: accurate.spreading,
         smoothing: accurate.smoothing,
     }
 }

@@ -80,6 +80,7 @@ fn main() {
         courant: number("courant", 0.4),
         shifting: number("shifting", 1.0),
         repulsion: number("repulsion", 20.0),
+        spreading: number("spreading", 30.0),
         smoothing: number("smoothing", 1.0),
     };
     let scheme =

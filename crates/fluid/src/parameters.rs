@@ -104,13 +104,15 @@ pub struct AccurateParameters {
     pub shifting: f64,
     /// Strength of the shift of particles away from others nearer than 0.9 spacings, 0 (off) to 100.
     pub repulsion: f64,
+    /// Strength of the shift of particles towards neighbours whose cells have more room, 0 (off) to 200.
+    pub spreading: f64,
     /// Strength of the smoothing of velocities that neighbours do not explain, 0 (off) to 10.
     pub smoothing: f64,
 }
 
 impl Default for AccurateParameters {
     fn default() -> Self {
-        Self { alpha: 0.01, courant: 0.4, shifting: 1.0, repulsion: 20.0, smoothing: 1.0 }
+        Self { alpha: 0.01, courant: 0.4, shifting: 1.0, repulsion: 20.0, spreading: 30.0, smoothing: 1.0 }
     }
 }
 
@@ -222,6 +224,7 @@ impl AccurateParameters {
         within("courant", self.courant, 0.01, 1.0)?;
         within("shifting", self.shifting, 0.0, 10.0)?;
         within("repulsion", self.repulsion, 0.0, 100.0)?;
+        within("spreading", self.spreading, 0.0, 200.0)?;
         within("smoothing", self.smoothing, 0.0, 10.0)
     }
 }

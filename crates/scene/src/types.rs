@@ -195,13 +195,15 @@ pub struct Accurate {
     pub shifting: f64,
     /// Strength of the shift away from particles nearer than 0.9 spacings (0 to 100), 0 switches it off.
     pub repulsion: f64,
+    /// Strength of the shift towards neighbours with more room (0 to 200), 0 switches it off.
+    pub spreading: f64,
     /// Strength of the smoothing of velocities that neighbours do not explain (0 to 10), 0 switches it off.
     pub smoothing: f64,
 }
 
 impl Default for Accurate {
     fn default() -> Self {
-        Self { alpha: 0.01, courant: 0.4, shifting: 1.0, repulsion: 20.0, smoothing: 1.0 }
+        Self { alpha: 0.01, courant: 0.4, shifting: 1.0, repulsion: 20.0, spreading: 30.0, smoothing: 1.0 }
     }
 }
 

@@ -162,6 +162,7 @@ fn validate_fluid(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
     check.within("fluid.accurate.courant", accurate.courant, 0.01, 1.0)?;
     check.within("fluid.accurate.shifting", accurate.shifting, 0.0, 10.0)?;
     check.within("fluid.accurate.repulsion", accurate.repulsion, 0.0, 100.0)?;
+    check.within("fluid.accurate.spreading", accurate.spreading, 0.0, 200.0)?;
     check.within("fluid.accurate.smoothing", accurate.smoothing, 0.0, 10.0)?;
     let paper = &fluid.paper;
     check.within("fluid.paper.influence_radius", paper.influence_radius, 2.1, 4.0)?;

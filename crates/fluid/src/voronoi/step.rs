@@ -52,7 +52,9 @@ pub fn add_body_load(state: &mut State, prepared: &Prepared, setting: &Setting, 
 /// Distance in spacings below which particles crowd each other.
 const CROWDED: f64 = 0.9;
 
-/// Moves particles towards the centroids of their cells, and their velocities along the velocity field.
+/// Keeps particles well spread: towards the centroids of their cells, away from crowding ones, and to where there is
+/// more room. On the free surface they move along it only. Velocities move along the velocity field, and everything is
+/// in proportion to how much the water deforms in the step: a lattice in smooth flow is hardly touched.
 pub fn shift(
     state: &mut State,
     prepared: &Prepared,
@@ -61,33 +63,22 @@ pub fn shift(
     time_step: f64,
     scratch: &mut Vec<Vector2<f64>>,
 ) {
-    if accurate.shifting == 0.0 {
-        return;
-    }
     scratch.resize(state.positions.len(), Vector2::zeros());
-    let cells = &prepared.cells;
+    let cells = &prepared.cells.cells;
+    let volumes = &state.volumes;
     parallel::fill(scratch, |i| {
-        let cell = &cells.cells[i];
-        let rate = prepared.gradients[i].norm() * time_step;
-        let mut way = cell.centroid * (accurate.shifting * rate).min(0.5);
-        let spacing = setting.spacing;
-        let mut apart = Vector2::zeros();
-        for facet in cells.facets.of(i) {
-            let distance = 2.0 * facet.height;
-            apart -= facet.normal * (CROWDED * spacing - distance).max(0.0);
+        let cell = &cells[i];
+        let flatness = if cell.is_open() { cell.flatness() } else { 1.0 };
+        if flatness == 0.0 {
+            return Vector2::zeros();
         }
-        for wall in cells.walls.of(i) {
-            let distance = 2.0 * wall.facet.height;
-            apart -= wall.facet.normal * (CROWDED * spacing - distance).max(0.0);
-        }
-        way += apart * (accurate.repulsion * rate).min(0.1);
+        let deformation = prepared.gradients[i].norm() * time_step;
+        let share = |strength: f64, most: f64| (strength * deformation).min(most);
+        let mut way = cell.centroid * share(accurate.shifting, 0.5);
+        way += away_from_crowds(prepared, i, setting.spacing) * share(accurate.repulsion, 0.1);
+        way += towards_room(prepared, volumes, i, setting.spacing) * share(accurate.spreading, 0.5);
         if cell.is_open() {
-            let length = cell.outward.norm();
-            let flatness = cell.flatness();
-            if flatness == 0.0 {
-                return Vector2::zeros();
-            }
-            let normal = cell.outward / length;
+            let normal = cell.outward / cell.outward.norm();
             way = (way - normal * way.dot(&normal)) * flatness;
         }
         way
@@ -96,6 +87,28 @@ pub fn shift(
         state.positions[i] += way;
         state.velocities[i] += prepared.gradients[i] * way;
     }
+}
+
+/// Sum of the vectors away from particles and walls' images nearer than `CROWDED` spacings, as long as these are nearer.
+fn away_from_crowds(prepared: &Prepared, i: usize, spacing: f64) -> Vector2<f64> {
+    let cells = &prepared.cells;
+    let between = cells.facets.of(i).iter();
+    let all = between.chain(cells.walls.of(i).iter().map(|wall| &wall.facet));
+    -all.map(|facet| facet.normal * (CROWDED * spacing - 2.0 * facet.height).max(0.0)).sum::<Vector2<f64>>()
+}
+
+/// Mean over the facets of the neighbours' room beyond the cell's own, as a share of a spacing.
+fn towards_room(prepared: &Prepared, volumes: &[f64], i: usize, spacing: f64) -> Vector2<f64> {
+    let cells = &prepared.cells;
+    let room = |j: usize| cells.cells[j].area / volumes[j];
+    let own = room(i);
+    let (mut towards, mut around) = (Vector2::zeros(), 0.0);
+    for facet in cells.facets.of(i) {
+        let length = facet.length();
+        towards += facet.normal * (length * (room(facet.neighbour as usize) - own));
+        around += length;
+    }
+    if around > 0.0 { towards * (spacing / around) } else { towards }
 }
 
 /// Records what belongs to the state: free surface and how full cells are.
