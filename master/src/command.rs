@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::bench::{self, Bench};
 use crate::case::Case;
 use crate::fmu::FmuParticipant;
 use crate::job::{Facts, Job};
@@ -59,6 +60,9 @@ enum Command {
     },
     /// List the scenes by name.
     ListScenes,
+    /// Compare the schemes of the fluid and write a dated record.
+    #[command(subcommand)]
+    Bench(Bench),
 }
 
 #[derive(Debug, clap::Args)]
@@ -90,6 +94,7 @@ pub fn main() -> ExitCode {
         Some(Command::Pack { out, modes }) => pack_fmus(&out, modes),
         Some(Command::Check { target, set }) => check(&target, &set),
         Some(Command::ListScenes) => list_scenes(),
+        Some(Command::Bench(Bench::Accuracy(arguments))) => accuracy(&arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error}");
@@ -240,6 +245,14 @@ fn list_scenes() -> Result<ExitCode, Failure> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn accuracy(arguments: &bench::AccuracyArguments) -> Result<ExitCode, Failure> {
+    let interrupted = watch_for_interruption()?;
+    let page = bench::accuracy(arguments, &pack::scenes_folder()?, &interrupted)?;
+    println!("report: {}", page.display());
+    let ended = interrupted.load(Ordering::Relaxed);
+    Ok(if ended { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
 fn overrides(set: &[String]) -> Result<Vec<(String, String)>, Failure> {

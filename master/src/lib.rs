@@ -1,5 +1,6 @@
 //! Couples FMI 2.0 co-simulation FMUs with implicit iterations, records what they do and reports on it.
 
+pub mod bench;
 pub mod case;
 pub mod checks;
 pub mod command;

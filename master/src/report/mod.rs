@@ -5,6 +5,7 @@ mod chart;
 mod field;
 mod figures;
 mod frames;
+mod log_chart;
 mod text;
 
 pub use canvas::{Error, prepare_font};
@@ -12,4 +13,5 @@ pub use chart::{Band, Chart, Curve};
 pub use field::{FieldFigure, Panel};
 pub use figures::draw_all;
 pub use frames::{FrameEntry, frames};
+pub use log_chart::LogChart;
 pub use text::{Short, markdown};
