@@ -25,9 +25,10 @@ fn a_quick_try_leaves_tables_and_pictures() {
     assert_eq!(rows.len(), 12);
     for row in &rows {
         let number = |column: usize| row[column].parse::<f64>().unwrap();
-        // Error, wall-clock time, steps, particles, particle-steps: 190 communication steps of at least one step each.
-        assert!(number(5) > 0.0 && number(8) > 0.0 && number(11) >= 190.0, "{row:?}");
-        assert!(number(12) > 100.0 && number(13) >= number(12) * 190.0 * 0.9, "{row:?}");
+        // Error, wall-clock time, steps, particles, particle-steps. The spacing is 4 or 8 times the finest, so 190
+        // communication steps of the scene become 48 or 24, of at least one step each.
+        assert!(number(5) > 0.0 && number(8) > 0.0 && number(11) >= 24.0, "{row:?}");
+        assert!(number(12) > 100.0 && number(13) >= number(12) * 24.0 * 0.9, "{row:?}");
         assert_eq!((&row[10], &row[19]), ("1", ""), "{row:?}");
     }
     // At equal spacing the accurate scheme is at least twice as near to the exact semi-axis.

@@ -37,12 +37,12 @@ fn circumstances(record: &Record) -> String {
 }
 
 fn overview(record: &Record) -> String {
-    let mut text =
-        "## Overview\n\nErrors at the finest spacing, orders by least squares, and the factor: time of `paper` \
-                    over time of `accurate` at equal error, from the coarsest to the finest run of `accurate`.\n\n\
-                    | scene | figure | unit | spacing [m] | error, accurate | order | error, paper | order | factor, \
-                    coarsest | factor, finest |\n|---|---|---|---|---|---|---|---|---|---|\n"
-            .to_string();
+    let mut text = "## Overview\n\nErrors at the finest spacing, orders by least squares, and the factor: time of `paper` \
+                    over time of `accurate` at equal error, once at the error of the coarsest run of `accurate`, once at \
+                    the smallest error of `paper`.\n\n"
+        .to_string();
+    text += "| scene | figure | unit | spacing [m] | error, accurate | order | error, paper | order | factor at coarsest of \
+             accurate | factor at best of paper |\n|---|---|---|---|---|---|---|---|---|---|\n";
     for comparison in &record.comparisons {
         for figure in 0..comparison.plan.figures.len() {
             text += &overview_row(comparison, figure);

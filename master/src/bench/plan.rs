@@ -20,7 +20,7 @@ pub const PLANS: [Plan; 8] = [
     Plan {
         scene: "hydrostatic",
         figures: &["pressure against rho g (H - y), L2", "wall pressure, temporal rms", "fall of the centre of mass"],
-        spacings: &[0.05, 0.03125, 0.02, 0.0125],
+        spacings: &[0.04, 0.025, 0.016, 0.01],
         end: Some(2.0),
         note: "A scheme that is exact for a linear pressure shows the tolerance of its pressure solver here, and no order.",
     },
@@ -112,6 +112,14 @@ impl Plan {
         let coarsest = self.spacings[0];
         if smoke { vec![2.0 * coarsest, coarsest] } else { self.spacings.iter().copied().take(levels).collect() }
     }
+
+    /// Communication step \[s\] at a spacing, for a scene with this one and a run to `end`: the scene's at the finest
+    /// spacing and in proportion to the spacing above, so that no fixed step holds the error up or slows the coarse
+    /// runs down; shortened to divide the run.
+    pub fn communication_step(&self, spacing: f64, step: f64, end: f64) -> f64 {
+        let finest = self.spacings.last().copied().unwrap_or(spacing);
+        end / (end / (step * (spacing / finest).max(1.0)) * (1.0 - 1e-9)).ceil()
+    }
 }
 
 #[cfg(test)]
@@ -140,10 +148,20 @@ mod tests {
     }
 
     #[test]
+    fn the_communication_step_grows_with_the_spacing_and_divides_the_run() {
+        let plan = Plan { spacings: &[0.04, 0.01], ..PLANS[0] };
+        assert!((plan.communication_step(0.01, 0.01, 2.0) - 0.01).abs() < 1e-15);
+        assert!((plan.communication_step(0.04, 0.01, 2.0) - 0.04).abs() < 1e-15);
+        // 0.03 s does not divide 2 s: 67 steps do.
+        assert!((plan.communication_step(0.03, 0.01, 2.0) - 2.0 / 67.0).abs() < 1e-15);
+        assert!((plan.communication_step(0.005, 0.01, 2.0) - 0.01).abs() < 1e-15);
+    }
+
+    #[test]
     fn a_scene_without_a_plan_is_refused_with_the_nearest_name() {
         let message = find("standing_wav").unwrap_err();
         assert!(message.contains("did you mean 'standing_wave'?") && message.contains("forced_sloshing"), "{message}");
-        assert_eq!(find("hydrostatic").unwrap().levels(2, false), [0.05, 0.03125]);
-        assert_eq!(find("hydrostatic").unwrap().levels(9, true), [0.1, 0.05]);
+        assert_eq!(find("hydrostatic").unwrap().levels(2, false), [0.04, 0.025]);
+        assert_eq!(find("hydrostatic").unwrap().levels(9, true), [0.08, 0.04]);
     }
 }

@@ -172,6 +172,10 @@ fn overrides(plan: &Plan, scene: &Scene, scheme: Scheme, spacing: f64) -> Vec<(S
         pair("fluid.scheme", format!("'{}'", scheme.name())),
         pair("fluid.spacing", format!("{spacing:?}")),
         pair("run.end", format!("{end:?}")),
+        pair(
+            "run.communication_step",
+            format!("{:?}", plan.communication_step(spacing, scene.run.communication_step, end)),
+        ),
         pair("output.interval", format!("{:?}", if frames { end } else { 0.0 })),
         pair("output.record_interval", "0.0".to_string()),
     ]
