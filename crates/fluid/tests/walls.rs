@@ -122,8 +122,12 @@ fn load_is_affine_in_the_acceleration() {
 /// is left comes from the free surface, whose pull on a cell is exact for linear pressures and not for momentum.
 #[test]
 fn momentum_of_a_dam_break_is_that_of_gravity_and_walls() {
-    let scheme =
-        Scheme::Accurate(AccurateParameters { shifting: 0.0, repulsion: 0.0, ..AccurateParameters::default() });
+    let scheme = Scheme::Accurate(AccurateParameters {
+        shifting: 0.0,
+        repulsion: 0.0,
+        spreading: 0.0,
+        ..AccurateParameters::default()
+    });
     let tank = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![tank(0.584, 0.8)], beam: None };
     let geometry = Geometry { water: vec![rectangle(0.0, 0.0, 0.146, 0.292)], body: Some(tank), ..Geometry::default() };
     let solver = Solver::new(parameters(scheme, 0.006, 1e-9, 2), geometry).unwrap();
