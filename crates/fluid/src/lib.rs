@@ -1,8 +1,10 @@
 //! Free-surface flow in two dimensions by the moving particle semi-implicit method.
 //!
+//! Two schemes: `accurate`, with Voronoi cells of the particles as weights, and `paper`, the classical weights.
+//!
 //! Governing equations: div u = 0 and Du/Dt = -grad p / rho + g, without viscosity. A step predicts velocities and
 //! positions from gravity, solves a Poisson equation for the pressure that stops the compression, and corrects.
-//! Walls are polylines; fluid near a wall sees its own mirror image behind it (see [`images`]).
+//! Walls are polylines; they clip cells, or fluid near a wall sees its own mirror image behind it (see [`images`]).
 //!
 //! `Solver::step` is a function of (state, motion of the walls, duration) only and gives the same bits for any
 //! number of threads. All quantities are SI, per metre of width.
@@ -33,6 +35,7 @@ mod report;
 mod schedule;
 mod solver;
 mod state;
+mod steps;
 mod voronoi;
 mod walls;
 

@@ -126,7 +126,8 @@ pub fn stop_at_walls(
     let mut contacts = 0;
     for i in 0..state.positions.len() {
         for entry in attachments.of(i) {
-            let chain = &walls.chains[entry.chain as usize];
+            // A strongly bent wall may have broken into other chains since the particle was attached.
+            let Some(chain) = walls.chains.get(entry.chain as usize) else { continue };
             let Some(segment) = walls.segments[chain.first..chain.last].iter().min_by(|a, b| {
                 a.squared_distance(&state.positions[i]).total_cmp(&b.squared_distance(&state.positions[i]))
             }) else {

@@ -5,17 +5,14 @@ use crate::check;
 use crate::fill;
 use crate::grid::bounding_box;
 use crate::kernel::Kernel;
-use crate::load::{self, PressureField};
-use crate::matrix::NO_ROW;
 use crate::motion::interpolate;
 use crate::observe::{self, Observables};
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
-use crate::parameters::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme};
-use crate::particles::{self, Contact};
+use crate::parameters::{Geometry, PaperParameters, Parameters, Scheme};
 use crate::prepare::{Pace, Prepared, Setting};
-use crate::pressure::{ConjugateGradient, Outcome};
-use crate::report::{Report, Watch};
+use crate::pressure::ConjugateGradient;
+use crate::report::Report;
 use crate::schedule::{Limits, next_step};
 use crate::state::State;
 use crate::voronoi;
@@ -23,9 +20,9 @@ use crate::walls::{WallLayout, Walls};
 use kinematics::Motion;
 use nalgebra::Vector2;
 
-/// The semi-implicit particle method for one scene.
+/// The semi-implicit particle method for one scene, in the scheme that its parameters name.
 ///
-/// One internal step of length dt:
+/// Scheme `accurate`: see [`crate::voronoi`]. Scheme `paper`, one internal step of length dt:
 /// 1. foretell where the moving walls stand, x + v dt + a dt^2 / 2;
 /// 2. predict u* = u + g dt, r* = r + u* dt;
 /// 3. find neighbours and mirror images at r*, number density n, free surface;
@@ -35,33 +32,33 @@ use nalgebra::Vector2;
 /// 6. integrate the wall pressure to the load.
 ///
 /// Source: Koshizuka and Oka (1996); the mixed source term Tanaka and Masunaga (2010); the paper's equations (1)-(5).
-/// Steps 1-3 do not depend on the motion asked for: a repeat from the same state starts at the solve.
+/// What comes before the solve does not depend on the motion asked for: a repeat from the same state starts there.
 #[derive(Debug)]
 pub struct Solver {
-    setting: Setting,
-    start: Vec<Vector2<f64>>,
-    volumes: Vec<f64>,
-    domain: (Vector2<f64>, Vector2<f64>),
-    pool: rayon::ThreadPool,
+    pub(crate) setting: Setting,
+    pub(crate) start: Vec<Vector2<f64>>,
+    pub(crate) volumes: Vec<f64>,
+    pub(crate) domain: (Vector2<f64>, Vector2<f64>),
+    pub(crate) pool: rayon::ThreadPool,
 }
 
 /// Scratch of a solver. It may be thrown away at any time; only time is lost.
 #[derive(Debug, Clone)]
 pub struct Workspace {
-    prepared: Prepared,
-    accurate: voronoi::prepare::Prepared,
-    candidate: Option<State>,
-    solve: ConjugateGradient,
-    target: Motion,
+    pub(crate) prepared: Prepared,
+    pub(crate) accurate: voronoi::prepare::Prepared,
+    pub(crate) candidate: Option<State>,
+    pub(crate) solve: ConjugateGradient,
+    pub(crate) target: Motion,
     /// Frozen coordinates with the velocities at the end of the step.
-    frozen_end: Motion,
-    end_walls: Walls,
-    end_panels: PanelMotion,
-    right_side: Vec<f64>,
-    solution: Vec<f64>,
-    vectors: Vec<Vector2<f64>>,
+    pub(crate) frozen_end: Motion,
+    pub(crate) end_walls: Walls,
+    pub(crate) end_panels: PanelMotion,
+    pub(crate) right_side: Vec<f64>,
+    pub(crate) solution: Vec<f64>,
+    pub(crate) vectors: Vec<Vector2<f64>>,
     /// Positions before the particles were moved.
-    before: Vec<Vector2<f64>>,
+    pub(crate) before: Vec<Vector2<f64>>,
 }
 
 impl Solver {
@@ -279,198 +276,6 @@ impl Solver {
                 return Err(Error::Input { name, got: value, time, expected: format!("within {low} to {high} m") });
             }
         }
-        Ok(())
-    }
-
-    /// One internal step: prepare, solve, correct, keep in front of the walls, load.
-    fn internal_step(
-        &self,
-        state: &mut State,
-        pace: Pace,
-        workspace: &mut Workspace,
-        report: &mut Report,
-    ) -> Result<(), Error> {
-        let setting = &self.setting;
-        if let Scheme::Accurate(accurate) = &setting.parameters.scheme {
-            return self.accurate_step(accurate, state, pace, workspace, report);
-        }
-        let time_step = pace.time_step;
-        let fresh = workspace.prepared.update(setting, state, pace, &mut report.stages);
-        report.reused += usize::from(!fresh);
-        self.set_wall_acceleration(time_step, workspace);
-        self.solve_pressure(state, workspace, report)?;
-        let mut watch = Watch::start();
-        particles::correct(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
-        particles::shift(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
-        particles::collide(state, &workspace.prepared, setting, &mut workspace.vectors);
-        particles::separate(state, &workspace.prepared, setting, &mut workspace.vectors);
-        report.contacts += self.keep_in_front(state, workspace);
-        watch.lap(&mut report.stages.gradient);
-        self.add_load(state, pace.share, workspace);
-        for (value, density) in state.number_densities.iter_mut().zip(&workspace.prepared.densities) {
-            *value = density.number_density;
-        }
-        state.surface.copy_from_slice(&workspace.prepared.surface);
-        workspace.before.clone_from(&workspace.prepared.positions);
-        self.finish(state, time_step, workspace)?;
-        report.substeps += 1;
-        report.unknowns = workspace.prepared.matrix.size();
-        watch.lap(&mut report.stages.other);
-        Ok(())
-    }
-
-    /// One internal step on Voronoi cells.
-    fn accurate_step(
-        &self,
-        accurate: &AccurateParameters,
-        state: &mut State,
-        pace: Pace,
-        workspace: &mut Workspace,
-        report: &mut Report,
-    ) -> Result<(), Error> {
-        let setting = &self.setting;
-        let fresh = workspace.accurate.update(setting, accurate, state, pace, &mut report.stages);
-        report.reused += usize::from(!fresh);
-        if let Some(body) = &setting.geometry.body {
-            workspace.frozen_end.clone_from(&workspace.target);
-            workspace.frozen_end.position.copy_from(&state.motion.position);
-            let end = &workspace.frozen_end;
-            workspace.accurate.panels.set_end(&setting.layout.panels, body, end, pace.time_step);
-        }
-        self.solve_on_cells(state, workspace, report)?;
-        let mut watch = Watch::start();
-        if let Some(body) = &setting.geometry.body {
-            voronoi::step::add_body_load(state, &workspace.accurate, setting, body, pace.share);
-        }
-        workspace.before.clone_from(&state.positions);
-        voronoi::step::correct(state, &workspace.accurate, setting, pace.time_step);
-        voronoi::step::shift(state, &workspace.accurate, setting, accurate, pace.time_step, &mut workspace.vectors);
-        report.contacts += self.keep_in_front(state, workspace);
-        watch.lap(&mut report.stages.gradient);
-        voronoi::step::record(state, &workspace.accurate, setting.kernel.reference_density);
-        self.finish(state, pace.time_step, workspace)?;
-        report.substeps += 1;
-        report.unknowns = workspace.accurate.matrix.size();
-        watch.lap(&mut report.stages.other);
-        Ok(())
-    }
-
-    fn solve_on_cells(&self, state: &mut State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
-        let mut watch = Watch::start();
-        let Workspace { accurate: prepared, solve, right_side, solution, .. } = workspace;
-        let size = prepared.matrix.size();
-        right_side.resize(size, 0.0);
-        {
-            let prepared = &*prepared;
-            parallel::fill(right_side, |i| prepared.source[i] + prepared.wall_source(&self.setting, i));
-        }
-        solution.clone_from(&state.pressures);
-        let parameters = &self.setting.parameters.solve;
-        let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
-        self.account(&outcome, size, state.time, report)?;
-        state.pressures.copy_from_slice(solution);
-        watch.lap(&mut report.stages.solve);
-        Ok(())
-    }
-
-    /// Enters a solve into the report; an error if it did not reach its tolerance.
-    fn account(&self, outcome: &Outcome, unknowns: usize, time: f64, report: &mut Report) -> Result<(), Error> {
-        let tolerance = self.setting.parameters.solve.tolerance;
-        report.iterations += outcome.iterations;
-        report.residual = report.residual.max(outcome.residual);
-        if outcome.residual > tolerance || !outcome.residual.is_finite() {
-            let Outcome { iterations, residual } = *outcome;
-            return Err(Error::Pressure { time, iterations, residual, tolerance, unknowns });
-        }
-        Ok(())
-    }
-
-    /// Mean acceleration of every panel over the step, on the foretold geometry: affine in the velocity asked for.
-    fn set_wall_acceleration(&self, time_step: f64, workspace: &mut Workspace) {
-        let Some(body) = &self.setting.geometry.body else { return };
-        workspace.frozen_end.clone_from(&workspace.target);
-        workspace.frozen_end.position.copy_from(&workspace.prepared.foretold.position);
-        workspace.prepared.panels.set_end(&self.setting.layout.panels, body, &workspace.frozen_end, time_step);
-    }
-
-    fn solve_pressure(&self, state: &mut State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
-        let mut watch = Watch::start();
-        let Workspace { prepared, solve, right_side, solution, .. } = workspace;
-        let size = prepared.matrix.size();
-        right_side.resize(size, 0.0);
-        solution.resize(size, 0.0);
-        {
-            let (setting, prepared) = (&self.setting, &*prepared);
-            parallel::fill(right_side, |row| {
-                let i = prepared.matrix.particles[row] as usize;
-                let images = prepared.around.images.of(i);
-                let walls: f64 = images.iter().map(|image| image.weight * prepared.rise(setting, image)).sum();
-                prepared.source[row] + walls
-            });
-            parallel::fill(solution, |row| state.pressures[prepared.matrix.particles[row] as usize]);
-        }
-        let parameters = &self.setting.parameters.solve;
-        let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
-        self.account(&outcome, size, state.time, report)?;
-        let rows = &prepared.matrix.rows;
-        parallel::fill(&mut state.pressures, |i| if rows[i] == NO_ROW { 0.0 } else { solution[rows[i] as usize] });
-        watch.lap(&mut report.stages.solve);
-        Ok(())
-    }
-
-    /// Keeps particles in front of the walls where these stand at the end of the step.
-    fn keep_in_front(&self, state: &mut State, workspace: &mut Workspace) -> usize {
-        let setting = &self.setting;
-        let spacing = setting.spacing;
-        let (attachments, walls, contact) = match &setting.parameters.scheme {
-            Scheme::Paper(paper) => {
-                let reach = 0.5 * paper.collision_distance * spacing;
-                let contact = Contact { reach, restitution: paper.restitution, least: 0.1 * spacing, spacing };
-                (&workspace.prepared.attachments, &workspace.prepared.walls, contact)
-            }
-            Scheme::Accurate(_) => {
-                let least = 0.1 * spacing;
-                let contact = Contact { reach: least, restitution: 0.0, least, spacing };
-                (&workspace.accurate.attachments, &workspace.accurate.walls, contact)
-            }
-        };
-        let Some(body) = &setting.geometry.body else {
-            return particles::stop_at_walls(state, attachments, walls, &contact, |_, _| Vector2::zeros());
-        };
-        let at = Some((body, &workspace.target.position));
-        workspace.end_walls.place(&setting.layout, at, setting.kernel.radius, spacing);
-        workspace.end_panels.set_start(&setting.layout.panels, body, &workspace.target);
-        let panels = &workspace.end_panels;
-        particles::stop_at_walls(state, attachments, &workspace.end_walls, &contact, |panel, fraction| {
-            panels.velocity(panel, fraction)
-        })
-    }
-
-    /// Adds this internal step's share of the mean load.
-    fn add_load(&self, state: &mut State, share: f64, workspace: &Workspace) {
-        let Some(body) = &self.setting.geometry.body else { return };
-        let prepared = &workspace.prepared;
-        let field = PressureField {
-            grid: &prepared.around.grid,
-            positions: &prepared.positions,
-            pressures: &state.pressures,
-            parameters: &self.setting.parameters,
-            time: prepared.time,
-            spacing: self.setting.spacing,
-            walls: &prepared.walls,
-        };
-        let coordinates = &prepared.foretold.position;
-        let panels = &self.setting.layout.panels;
-        load::add_body_load(&field, body, panels, &prepared.panels, coordinates, share, &mut state.load);
-    }
-
-    /// Removes lost particles, and stops anything that is not finite.
-    fn finish(&self, state: &mut State, time_step: f64, workspace: &Workspace) -> Result<(), Error> {
-        check::all_finite(state, &workspace.before)?;
-        state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
-        state.motion.clone_from(&workspace.target);
-        state.time_step = time_step;
-        state.steps += 1;
         Ok(())
     }
 }

@@ -40,6 +40,8 @@ pub struct Cells {
     /// One cell per particle.
     pub cells: Vec<Cell>,
     agreed: Lists<Facet>,
+    agreed_walls: Lists<WallFacet>,
+    odd: Vec<bool>,
     corners: Lists<Corner>,
     planes: Lists<WallPlane>,
     room: Vec<f64>,
@@ -100,20 +102,37 @@ impl Cells {
     }
 
     /// Lets two cells have the same facet between them where a wall cuts them differently, or rounding decided whether
-    /// a corner lies in empty space: the matrix is symmetric, and what one cell gives the other takes.
+    /// a corner lies in empty space: the matrix is symmetric, and what one cell gives the other takes. What only one of
+    /// them sees becomes a piece of wall, so that cells stay closed; an open cell counts it to its free surface.
     fn agree(&mut self, setup: &Setup) {
-        let (seen, cells) = (&self.facets, &self.cells);
-        self.agreed.build(setup.positions.len(), |i, out| {
+        let (seen, walls, cells) = (&self.facets, &self.walls, &mut self.cells);
+        self.odd.clear();
+        self.odd.extend(cells.iter().map(|cell| cell.odd));
+        let odd = &self.odd;
+        self.agreed.build_with(setup.positions.len(), &mut self.agreed_walls, cells, |i, out, out_walls, cell| {
+            out_walls.extend_from_slice(walls.of(i));
             for facet in seen.of(i) {
-                let mut facet = *facet;
                 let j = facet.neighbour as usize;
-                if cells[i].odd || cells[j].odd {
-                    facet.agree(seen.of(j).iter().find(|other| other.neighbour as usize == i));
+                let mut common = *facet;
+                if odd[i] || odd[j] {
+                    common.agree(seen.of(j).iter().find(|other| other.neighbour as usize == i));
                 }
-                out.push(facet);
+                out.push(common);
+                if cell.is_open() {
+                    continue;
+                }
+                let near = walls.of(i).first().or(walls.of(j).first());
+                for (from, to) in [(facet.from, common.from), (common.to, facet.to)] {
+                    if to - from > SLACK * setup.spacing {
+                        let rest = Facet { from, to, ..*facet };
+                        let (panel, fraction) = near.map_or((FIXED, 0.0), |wall| (wall.panel, wall.fraction));
+                        out_walls.push(WallFacet { facet: rest, panel, fraction });
+                    }
+                }
             }
         });
         std::mem::swap(&mut self.facets, &mut self.agreed);
+        std::mem::swap(&mut self.walls, &mut self.agreed_walls);
     }
 
     /// Facets and cells from the polygons.
@@ -216,7 +235,8 @@ fn cut_out(setup: &Setup, grid: &Grid, i: usize, planes: &mut Vec<WallPlane>) ->
         grid.for_each_within(&here, rings, |j| {
             let squared = (setup.positions[j] - here).norm_squared();
             let outside = squared >= to || squared < from || j == i;
-            if !outside && !(near_wall && setup.walls.separates(&here, &setup.positions[j])) {
+            let hidden = || near_wall && setup.walls.separates(&here, &setup.positions[j]);
+            if !outside && !hidden() {
                 insert(&mut nearest, &mut found, (squared, j as u32));
             }
         });
