@@ -261,8 +261,9 @@ fn execute(run: &Run) -> Result<Figures, fluid::Error> {
     let top_speed = (2.0 * GRAVITY * outline.depth).sqrt();
     let mut figures = Figures::default();
     let (mut energies, mut pressures) = (vec![start], Vec::with_capacity(SAMPLES));
-    for _ in 0..SAMPLES {
-        let duration = run.share * outline.duration / SAMPLES as f64;
+    let samples = (run.share * SAMPLES as f64) as usize;
+    let duration = run.share * outline.duration / samples as f64;
+    for _ in 0..samples {
         match solver.step(&mut state, &Motion::at_rest(0), duration, &mut workspace) {
             Ok(report) => figures.iterations += report.iterations,
             Err(error) => {
@@ -276,7 +277,7 @@ fn execute(run: &Run) -> Result<Figures, fluid::Error> {
         figures.area = figures.area.max((seen.area / (outline.width * outline.depth) - 1.0).abs());
         pressures.push(seen.probes[0]);
     }
-    (figures.energy, figures.rise) = energy_changes(&energies, outline.swing, reference);
+    (figures.energy, figures.rise) = energy_changes(&energies, outline.swing.min(samples), reference);
     (figures.time, figures.steps, figures.lost) = (state.time, state.steps, state.lost);
     figures.noise = noise(&pressures) / (DENSITY * GRAVITY * outline.depth);
     Ok(figures)
@@ -336,7 +337,7 @@ fn member(sweep: &str, value: f64, case: Case) -> Run {
         }
         _ => {
             (run.resolution, run.label) = (value, format!("1/{value}"));
-            run.share = if value > 200.0 { 0.05 } else { 1.0 };
+            run.share = if value > 200.0 { 0.1 } else { 1.0 };
         }
     }
     run
