@@ -148,9 +148,14 @@ fn decimal(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_string(), |value| format!("{value:.2}"))
 }
 
-/// A factor with two significant digits.
+/// A factor with two significant digits, fewer below 0.1.
 fn ratio(value: f64) -> String {
-    if value >= 9.95 { format!("{value:.0}") } else { format!("{value:.1}") }
+    let decimals = match value {
+        9.95.. => 0,
+        0.95.. => 1,
+        _ => 2,
+    };
+    format!("{value:.decimals$}")
 }
 
 fn brief(factor: Option<Factor>) -> String {
@@ -198,8 +203,8 @@ mod tests {
 
     #[test]
     fn factors_are_short() {
-        assert_eq!((ratio(3.26), ratio(12.34), ratio(0.05)), ("3.3".into(), "12".into(), "0.1".into()));
-        assert_eq!(full(Some(Factor::AtMost(0.5))), "at most 0.5: the coarsest run is better");
+        assert_eq!((ratio(3.26), ratio(12.34), ratio(0.054)), ("3.3".into(), "12".into(), "0.05".into()));
+        assert_eq!(full(Some(Factor::AtMost(0.5))), "at most 0.50: the coarsest run is better");
         assert_eq!(brief(None), "-");
     }
 }

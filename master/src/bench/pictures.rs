@@ -18,7 +18,7 @@ pub fn draw(comparison: &Comparison, folder: &Path) -> Result<(), Error> {
 fn by_spacing(comparison: &Comparison) -> LogChart {
     let curves = comparison.schemes().into_iter().map(|scheme| {
         let order = comparison.order(scheme, 0);
-        let order = order.map_or_else(String::new, |order| format!(", order {order:.1}"));
+        let order = order.map_or_else(String::new, |order| format!(", order {}", one_decimal(order)));
         let points = comparison.errors_by_spacing(scheme, 0);
         Curve { label: format!("{}{order}", scheme.name()), points, markers: false }
     });
@@ -52,6 +52,11 @@ fn chart(comparison: &Comparison, ticks: Vec<f64>, curves: Vec<Curve>) -> LogCha
     LogChart { title: format!("{scene}: {figure}"), x: String::new(), y, ticks, curves, guides: Vec::new() }
 }
 
+/// One decimal, and no sign before a zero.
+fn one_decimal(value: f64) -> String {
+    format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
+}
+
 /// Lines of known order through the coarsest point of the first curve.
 fn guides(curves: &[Curve], spacings: &[f64]) -> Vec<Curve> {
     let anchor = curves.iter().find_map(|curve| curve.points.first().copied());
@@ -78,6 +83,11 @@ mod tests {
         }
         let svg = std::fs::read_to_string(folder.path().join("hydrostatic-spacing.svg")).unwrap();
         assert!(svg.contains("accurate, order 2.0") && svg.contains("paper, order 1.0") && svg.contains("error [m]"));
+    }
+
+    #[test]
+    fn a_zero_has_no_sign() {
+        assert_eq!([-0.04, 1.96, -0.1].map(one_decimal), ["0.0", "2.0", "-0.1"]);
     }
 
     #[test]

@@ -128,10 +128,16 @@ fn range(values: impl Iterator<Item = f64>, (below, above): (f64, f64)) -> (f64,
     (low / margin(below), high * margin(above))
 }
 
-/// 1, 2 and 5 times powers of ten inside a range; the powers alone when that is enough.
+/// Multiples of powers of ten inside a range: fewer per decade the more decades it spans, and tenths of the power in one
+/// so narrow that it would have none.
 fn ticks((low, high): (f64, f64)) -> Vec<f64> {
     let decades = (high / low).log10();
-    let steps: &[f64] = if decades > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let steps: Vec<f64> = match decades {
+        2.5.. => vec![1.0],
+        0.8.. => vec![1.0, 2.0, 5.0],
+        0.3.. => (1..10).map(f64::from).collect(),
+        _ => (10..100).map(|tenths| f64::from(tenths) / 10.0).collect(),
+    };
     let exponents = low.log10().floor() as i32..=high.log10().ceil() as i32;
     let all = exponents.flat_map(|exponent| steps.iter().map(move |step| step * 10_f64.powi(exponent)));
     all.filter(|tick| (low..=high).contains(tick)).collect()
@@ -155,6 +161,8 @@ mod tests {
     fn labels_and_ticks_of_decades() {
         assert_eq!(ticks((0.015, 0.3)), [0.02, 0.05, 0.1, 0.2]);
         assert_eq!(ticks((0.5e-4, 2.0)).len(), 5);
+        // Narrow ranges: 0.04 to 0.07, and 0.031 to 0.037 by tenths.
+        assert_eq!((ticks((0.035, 0.075)).len(), ticks((0.0305, 0.0375)).len()), (4, 7));
         let labels: Vec<String> = [0.0125, 1.0, 2e-4, 1e-6, 500.0, 20000.0].map(label).to_vec();
         assert_eq!(labels, ["0.0125", "1", "2e-4", "1e-6", "500", "20000"]);
         assert_eq!(range([].into_iter(), (0.1, 0.1)), (0.1, 10.0));
