@@ -26,6 +26,9 @@ pub struct WallFacet {
     pub panel: u32,
     /// Place on it, 0 to 1.
     pub fraction: f64,
+    /// Whether it only closes a cell where another one sees less of their facet: it moves with the particle and loads
+    /// nothing.
+    pub filler: bool,
 }
 
 /// The cells of all particles at one instant.
@@ -126,7 +129,7 @@ impl Cells {
                     if to - from > SLACK * setup.spacing {
                         let rest = Facet { from, to, ..*facet };
                         let (panel, fraction) = near.map_or((FIXED, 0.0), |wall| (wall.panel, wall.fraction));
-                        out_walls.push(WallFacet { facet: rest, panel, fraction });
+                        out_walls.push(WallFacet { facet: rest, panel, fraction, filler: true });
                     }
                 }
             }
@@ -286,8 +289,8 @@ fn place_on_wall(setup: &Setup, i: usize, facet: Facet, chain: u32) -> WallFacet
     let run = &walls.segments[walls.chains[chain as usize].first..walls.chains[chain as usize].last];
     let distance = |segment: &Segment| segment.squared_distance(&place);
     let nearest = run.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.map_or(WallFacet { facet, panel: FIXED, fraction: 0.0 }, |segment| {
+    nearest.map_or(WallFacet { facet, panel: FIXED, fraction: 0.0, filler: false }, |segment| {
         let fraction = (segment.local(&place).1 / segment.length).clamp(0.0, 1.0);
-        WallFacet { facet, panel: segment.panel, fraction }
+        WallFacet { facet, panel: segment.panel, fraction, filler: false }
     })
 }

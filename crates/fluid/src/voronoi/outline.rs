@@ -105,7 +105,7 @@ impl<'a> Outline<'a> {
     pub fn fixed_wall_force(&self) -> Vector2<f64> {
         let mut force = Vector2::zeros();
         for (i, position) in self.state.positions.iter().enumerate() {
-            for wall in self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
+            for wall in self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.filler) {
                 let facet = &wall.facet;
                 let slope =
                     self.parameters.density * self.parameters.body_force(position, self.state.time).dot(&facet.normal);

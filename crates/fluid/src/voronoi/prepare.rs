@@ -160,6 +160,10 @@ impl Prepared {
             let mut value = -density * rate / time_step;
             for wall in cells.walls.of(i) {
                 let facet = &wall.facet;
+                if wall.filler {
+                    value += density * facet.length() * forces[i].dot(&facet.normal);
+                    continue;
+                }
                 let velocity = panels.velocity(wall.panel, wall.fraction);
                 let closing = (velocity + forces[i] * time_step - velocities[i]).dot(&facet.normal) / time_step;
                 value += density * facet.length() * (forces[i].dot(&facet.normal) - closing);

@@ -38,7 +38,7 @@ pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_s
 pub fn add_body_load(state: &mut State, prepared: &Prepared, setting: &Setting, body: &Body, share: f64) {
     let State { load, pressures, motion, .. } = state;
     for (i, pressure) in pressures.iter().enumerate() {
-        for wall in prepared.cells.walls.of(i).iter().filter(|wall| wall.panel != FIXED) {
+        for wall in prepared.cells.walls.of(i).iter().filter(|wall| wall.panel != FIXED && !wall.filler) {
             let facet = &wall.facet;
             let on_wall = pressure + prepared.wall_slope(setting, i, wall) * facet.height;
             let [start, end] = setting.layout.panels[wall.panel as usize];
