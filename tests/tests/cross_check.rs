@@ -14,7 +14,7 @@ const STEP: f64 = 0.000_5;
 const SCENE: [&str; 2] = [
     "dam_break_plate",
     // A coarse column beside the plate: 325 particles.
-    "fluid.spacing = 0.012; fluid.water.0.polygon = [[0,0],[0.28,0],[0.28,0.14],[0,0.14]]",
+    "fluid.spacing = 0.012; fluid.water.0.polygon = [[0,0],[0.286,0],[0.286,0.14],[0,0.14]]",
 ];
 
 /// Name, reference, causality, type and unit of a variable.

@@ -12,8 +12,8 @@ const POSITION_Q1: u32 = 103;
 const VELOCITY_Q1: u32 = 123;
 const ACCELERATION_Q1: u32 = 143;
 const LOAD_Q1: u32 = 203;
-/// The plate of dam_break_plate with a coarse column: 325 particles.
-const OVERRIDES: &str = "fluid.spacing = 0.012; fluid.water.0.polygon = [[0,0],[0.28,0],[0.28,0.14],[0,0.14]]";
+/// The plate of dam_break_plate with a coarse column that touches it.
+const OVERRIDES: &str = "fluid.spacing = 0.012; fluid.water.0.polygon = [[0,0],[0.286,0],[0.286,0.14],[0,0.14]]";
 
 fn slave<'a, C: Component>(library: &'a Library) -> Slave<'a> {
     let guid = describe::guid(&C::model(DEFAULT_MODES)).unwrap().to_string();
