@@ -29,8 +29,13 @@ pub fn contains(polygon: &[Vector2<f64>], point: &Vector2<f64>) -> bool {
 
 /// Area of a closed polygon \[m2\].
 pub fn area(polygon: &[Vector2<f64>]) -> f64 {
+    signed_area(polygon).abs()
+}
+
+/// Area of a closed polygon, negative when its corners run clockwise \[m2\].
+pub fn signed_area(polygon: &[Vector2<f64>]) -> f64 {
     let twice: f64 = polygon.iter().enumerate().map(|(k, a)| a.perp(&polygon[(k + 1) % polygon.len()])).sum();
-    0.5 * twice.abs()
+    0.5 * twice
 }
 
 /// Fills every polygon with a lattice that fits its bounding box: a box keeps exactly its volume and its outermost

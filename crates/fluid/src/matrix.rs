@@ -67,13 +67,7 @@ impl Matrix {
             let mirrored = around.images.of(i).iter().map(|image| (image.neighbour, image.weight));
             direct.chain(mirrored).filter(|&(j, _)| surface[j as usize]).map(|(_, weight)| weight).sum()
         });
-        self.diagonal.resize(particles.len(), 0.0);
-        let (entries, row_sums) = (&self.entries, &self.row_sums);
-        let scale = if regularise { 1.0 + 1e-10 } else { 1.0 };
-        parallel::fill(&mut self.diagonal, |row| {
-            let sum: f64 = entries.of(row).iter().map(|entry| entry.weight).sum();
-            ((sum + row_sums[row]) * scale).max(f64::MIN_POSITIVE)
-        });
+        self.fill_diagonal(regularise);
     }
 
     /// Assembles the matrix of Voronoi cells: every particle is an unknown, and free surfaces are row sums.
@@ -93,12 +87,17 @@ impl Matrix {
             if cell.is_open() { cell.surface / cell.depth } else { 0.0 }
         });
         let enclosed = enclosed::settle(cells, &mut self.row_sums, &mut self.reached, &mut self.queue);
-        let scale = if enclosed { 1.0 + 1e-10 } else { 1.0 };
-        self.diagonal.resize(count, 0.0);
+        self.fill_diagonal(enclosed);
+    }
+
+    /// Diagonal from the off-diagonal entries and the row sums.
+    fn fill_diagonal(&mut self, regularise: bool) {
+        let scale = if regularise { 1.0 + 1e-10 } else { 1.0 };
+        self.diagonal.resize(self.particles.len(), 0.0);
         let (entries, row_sums) = (&self.entries, &self.row_sums);
-        parallel::fill(&mut self.diagonal, |i| {
-            let sum: f64 = entries.of(i).iter().map(|entry| entry.weight).sum();
-            ((sum + row_sums[i]) * scale).max(f64::MIN_POSITIVE)
+        parallel::fill(&mut self.diagonal, |row| {
+            let sum: f64 = entries.of(row).iter().map(|entry| entry.weight).sum();
+            ((sum + row_sums[row]) * scale).max(f64::MIN_POSITIVE)
         });
     }
 

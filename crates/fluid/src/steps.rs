@@ -4,6 +4,7 @@ use crate::Error;
 use crate::check;
 use crate::load::{self, PressureField};
 use crate::matrix::NO_ROW;
+use crate::panel_motion::PanelMotion;
 use crate::parallel;
 use crate::parameters::{AccurateParameters, Scheme};
 use crate::particles::{self, Contact};
@@ -13,7 +14,8 @@ use crate::report::{Report, Watch};
 use crate::solver::{Solver, Workspace};
 use crate::state::State;
 use crate::voronoi;
-use nalgebra::Vector2;
+use kinematics::Motion;
+use nalgebra::{DVector, Vector2};
 
 impl Solver {
     /// One internal step.
@@ -25,9 +27,11 @@ impl Solver {
         report: &mut Report,
     ) -> Result<(), Error> {
         match &self.setting.parameters.scheme {
-            Scheme::Paper(_) => self.paper_step(state, pace, workspace, report),
-            Scheme::Accurate(accurate) => self.accurate_step(accurate, state, pace, workspace, report),
+            Scheme::Paper(_) => self.paper_step(state, pace, workspace, report)?,
+            Scheme::Accurate(accurate) => self.accurate_step(accurate, state, pace, workspace, report)?,
         }
+        report.substeps += 1;
+        Ok(())
     }
 
     /// One internal step: prepare, solve, correct, keep in front of the walls, load.
@@ -42,7 +46,8 @@ impl Solver {
         let time_step = pace.time_step;
         let fresh = workspace.prepared.update(setting, state, pace, &mut report.stages);
         report.reused += usize::from(!fresh);
-        self.set_wall_acceleration(time_step, workspace);
+        let Workspace { prepared, frozen_end, target, .. } = &mut *workspace;
+        self.set_wall_acceleration(&mut prepared.panels, &prepared.foretold.position, target, frozen_end, time_step);
         self.solve_pressure(state, workspace, report)?;
         let mut watch = Watch::start();
         particles::correct(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
@@ -58,8 +63,6 @@ impl Solver {
         state.surface.copy_from_slice(&workspace.prepared.surface);
         workspace.before.clone_from(&workspace.prepared.positions);
         self.finish(state, time_step, workspace)?;
-        report.substeps += 1;
-        report.unknowns = workspace.prepared.matrix.size();
         watch.lap(&mut report.stages.other);
         Ok(())
     }
@@ -76,12 +79,8 @@ impl Solver {
         let setting = &self.setting;
         let fresh = workspace.accurate.update(setting, accurate, state, pace, &mut report.stages);
         report.reused += usize::from(!fresh);
-        if let Some(body) = &setting.geometry.body {
-            workspace.frozen_end.clone_from(&workspace.target);
-            workspace.frozen_end.position.copy_from(&state.motion.position);
-            let end = &workspace.frozen_end;
-            workspace.accurate.panels.set_end(&setting.layout.panels, body, end, pace.time_step);
-        }
+        let Workspace { accurate: prepared, frozen_end, target, .. } = &mut *workspace;
+        self.set_wall_acceleration(&mut prepared.panels, &state.motion.position, target, frozen_end, pace.time_step);
         self.solve_on_cells(state, workspace, report)?;
         let mut watch = Watch::start();
         if let Some(body) = &setting.geometry.body {
@@ -94,8 +93,6 @@ impl Solver {
         watch.lap(&mut report.stages.gradient);
         voronoi::step::record(state, &workspace.accurate, setting.kernel.reference_density);
         self.finish(state, pace.time_step, workspace)?;
-        report.substeps += 1;
-        report.unknowns = workspace.accurate.matrix.size();
         watch.lap(&mut report.stages.other);
         Ok(())
     }
@@ -121,6 +118,7 @@ impl Solver {
     /// Enters a solve into the report; an error if it did not reach its tolerance.
     fn account(&self, outcome: &Outcome, unknowns: usize, time: f64, report: &mut Report) -> Result<(), Error> {
         let tolerance = self.setting.parameters.solve.tolerance;
+        report.unknowns = unknowns;
         report.iterations += outcome.iterations;
         report.residual = report.residual.max(outcome.residual);
         if outcome.residual > tolerance || !outcome.residual.is_finite() {
@@ -130,12 +128,20 @@ impl Solver {
         Ok(())
     }
 
-    /// Mean acceleration of every panel over the step, on the foretold geometry: affine in the velocity asked for.
-    fn set_wall_acceleration(&self, time_step: f64, workspace: &mut Workspace) {
+    /// Mean acceleration of every panel over the step with the coordinates at which the walls stand in it: affine in the
+    /// velocity asked for.
+    fn set_wall_acceleration(
+        &self,
+        panels: &mut PanelMotion,
+        frozen: &DVector<f64>,
+        target: &Motion,
+        end: &mut Motion,
+        time_step: f64,
+    ) {
         let Some(body) = &self.setting.geometry.body else { return };
-        workspace.frozen_end.clone_from(&workspace.target);
-        workspace.frozen_end.position.copy_from(&workspace.prepared.foretold.position);
-        workspace.prepared.panels.set_end(&self.setting.layout.panels, body, &workspace.frozen_end, time_step);
+        end.clone_from(target);
+        end.position.copy_from(frozen);
+        panels.set_end(&self.setting.layout.panels, body, end, time_step);
     }
 
     fn solve_pressure(&self, state: &mut State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
@@ -167,14 +173,14 @@ impl Solver {
     fn keep_in_front(&self, state: &mut State, workspace: &mut Workspace) -> usize {
         let setting = &self.setting;
         let spacing = setting.spacing;
+        let least = 0.1 * spacing;
         let (attachments, walls, contact) = match &setting.parameters.scheme {
             Scheme::Paper(paper) => {
                 let reach = 0.5 * paper.collision_distance * spacing;
-                let contact = Contact { reach, restitution: paper.restitution, least: 0.1 * spacing, spacing };
+                let contact = Contact { reach, restitution: paper.restitution, least, spacing };
                 (&workspace.prepared.attachments, &workspace.prepared.walls, contact)
             }
             Scheme::Accurate(_) => {
-                let least = 0.1 * spacing;
                 let contact = Contact { reach: least, restitution: 0.0, least, spacing };
                 (&workspace.accurate.attachments, &workspace.accurate.walls, contact)
             }

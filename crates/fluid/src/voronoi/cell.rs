@@ -116,8 +116,11 @@ impl Cell {
         self.surface > 0.0
     }
 
-    /// 1 where the free surface is straight, 0 where it turns by a right angle or more.
+    /// 1 where the free surface is straight or there is none, 0 where it turns by a right angle or more.
     pub fn flatness(&self) -> f64 {
+        if !self.is_open() {
+            return 1.0;
+        }
         ((self.outward.norm() / self.surface - ROUND) / (1.0 - ROUND)).clamp(0.0, 1.0)
     }
 }
@@ -176,24 +179,24 @@ impl Shape<'_> {
         walls > 0 || self.corners.iter().any(|corner| corner.place.norm_squared() > limit)
     }
 
-    /// A closed cell: `add(label, facet)` receives its facets.
-    pub fn close(&self, mut add: impl FnMut(u32, Facet)) -> Cell {
-        let count = self.corners.len();
-        let (mut area, mut moment) = (0.0, Vector2::zeros());
-        for k in 0..count {
-            let (a, b) = (self.corners[k].place, self.place(k + 1));
-            let twice = a.perp(&b);
-            area += 0.5 * twice;
-            moment += (a + b) * (twice / 6.0);
-            let label = self.corners[k].label;
-            let plane = (self.planes)(label);
-            let along = turn(&plane.normal);
-            let (from, to) = (along.dot(&a), along.dot(&b));
-            let bound = Bound::Whole;
-            let facet = Facet { neighbour: label, bound, normal: plane.normal, height: plane.distance, from, to };
-            add(label, facet);
+    /// Edge k of the polygon as a facet.
+    fn facet(&self, k: usize, bound: Bound) -> Facet {
+        let neighbour = self.corners[k].label;
+        let plane = (self.planes)(neighbour);
+        let along = turn(&plane.normal);
+        let (from, to) = (along.dot(&self.corners[k].place), along.dot(&self.place(k + 1)));
+        Facet { neighbour, bound, normal: plane.normal, height: plane.distance, from, to }
+    }
+
+    /// A closed cell: `add` receives its facets.
+    pub fn close(&self, mut add: impl FnMut(Facet)) -> Cell {
+        let mut outline = Outline::default();
+        for (k, corner) in self.corners.iter().enumerate() {
+            outline.walk(corner.place);
+            add(self.facet(k, Bound::Whole));
         }
-        Cell { area, centroid: moment / area, ..Cell::default() }
+        let (area, centroid) = outline.close();
+        Cell { area, centroid, ..Cell::default() }
     }
 
     /// Whether corner k lies in empty space: far from its particles, and these have more room than their areas fill.
@@ -233,27 +236,35 @@ impl Shape<'_> {
         }
     }
 
-    /// A cell with a free surface, of the area `volume` if the surface can be placed so.
-    pub fn surface(&self, volume: f64, mut add: impl FnMut(u32, Facet)) -> Cell {
-        let count = self.corners.len();
+    /// A cell with a free surface, of the area `volume` if the surface can be placed so; `add` receives its facets.
+    pub fn surface(&self, volume: f64, add: impl FnMut(Facet)) -> Cell {
+        let (constant, linear, bend) = self.area_of_depth();
+        let lack = volume - constant;
+        let root = (linear * linear + 2.0 * bend * lack).max(0.0).sqrt();
+        let wanted = 2.0 * lack / (linear + root).max(1e-12 * self.spacing);
+        let depth = wanted.clamp(DEPTHS[0] * self.spacing, DEPTHS[1] * self.spacing);
+        let surface = (linear + bend * depth).max(0.2 * self.spacing);
+        let area = constant + linear * depth + 0.5 * bend * depth * depth;
+        let centroid = self.finish(depth, add);
+        Cell { area, centroid, depth, surface, ..Cell::default() }
+    }
+
+    /// C, H and Phi of the area C + H delta + Phi delta^2 / 2 that the cell has with its free surface at delta.
+    fn area_of_depth(&self) -> (f64, f64, f64) {
         let (mut constant, mut linear, mut bend) = (0.0, 0.0, 0.0);
         let mut last_exit: Option<Vector2<f64>> = None;
         let mut first_entry: Option<Vector2<f64>> = None;
         let mut turn_between = |from: &Vector2<f64>, to: &Vector2<f64>| {
             let angle = from.perp(to).atan2(from.dot(to));
             let angle = if angle <= 1e-9 { angle + 2.0 * PI } else { angle };
-            let outside = angle - PI;
-            bend += corner_bend(outside);
+            bend += corner_bend(angle - PI);
         };
-        for k in 0..count {
+        for k in 0..self.corners.len() {
             let bound = self.bound(k);
             if bound == Bound::Nothing {
                 continue;
             }
-            let plane = (self.planes)(self.corners[k].label);
-            let along = turn(&plane.normal);
-            let (from, to) = (along.dot(&self.corners[k].place), along.dot(&self.place(k + 1)));
-            let h = plane.distance;
+            let Facet { normal, height: h, from, to, .. } = self.facet(k, bound);
             match bound {
                 Bound::Whole => constant += 0.5 * h * (to - from),
                 Bound::Exit => (constant, linear) = (constant - 0.5 * h * from, linear + h),
@@ -262,12 +273,12 @@ impl Shape<'_> {
             }
             if matches!(bound, Bound::Entry | Bound::Chord) {
                 match last_exit.take() {
-                    Some(exit) => turn_between(&exit, &plane.normal),
-                    None => first_entry = Some(plane.normal),
+                    Some(exit) => turn_between(&exit, &normal),
+                    None => first_entry = Some(normal),
                 }
             }
             if matches!(bound, Bound::Exit | Bound::Chord) {
-                last_exit = Some(plane.normal);
+                last_exit = Some(normal);
             }
         }
         match (last_exit, first_entry) {
@@ -275,31 +286,20 @@ impl Shape<'_> {
             (None, None) if linear == 0.0 => bend = 2.0 * PI,
             _ => {}
         }
-        let lack = volume - constant;
-        let root = (linear * linear + 2.0 * bend * lack).max(0.0).sqrt();
-        let wanted = 2.0 * lack / (linear + root).max(1e-12 * self.spacing);
-        let depth = wanted.clamp(DEPTHS[0] * self.spacing, DEPTHS[1] * self.spacing);
-        let surface = (linear + bend * depth).max(0.2 * self.spacing);
-        let area = constant + linear * depth + 0.5 * bend * depth * depth;
-        let centroid = self.finish(depth, &mut add);
-        Cell { area, centroid, depth, surface, ..Cell::default() }
+        (constant, linear, bend)
     }
 
     /// Emits the facets of a cell whose free surface stands at `depth`, and returns its centroid.
-    fn finish(&self, depth: f64, add: &mut impl FnMut(u32, Facet)) -> Vector2<f64> {
+    fn finish(&self, depth: f64, mut add: impl FnMut(Facet)) -> Vector2<f64> {
         let mut outline = Outline::default();
         for k in 0..self.corners.len() {
             let bound = self.bound(k);
             if bound == Bound::Nothing {
                 continue;
             }
-            let label = self.corners[k].label;
-            let plane = (self.planes)(label);
-            let along = turn(&plane.normal);
-            let (from, to) = (along.dot(&self.corners[k].place), along.dot(&self.place(k + 1)));
-            let mut facet = Facet { neighbour: label, bound, normal: plane.normal, height: plane.distance, from, to };
+            let mut facet = self.facet(k, bound);
             facet.end_at(depth);
-            let foot = plane.normal * plane.distance;
+            let (foot, along) = (facet.normal * facet.height, turn(&facet.normal));
             if matches!(bound, Bound::Entry | Bound::Chord) {
                 outline.walk(along * -depth);
             }
@@ -308,9 +308,9 @@ impl Shape<'_> {
             if matches!(bound, Bound::Exit | Bound::Chord) {
                 outline.walk(along * depth);
             }
-            add(label, facet);
+            add(facet);
         }
-        outline.centroid()
+        outline.close().1
     }
 }
 
@@ -334,11 +334,12 @@ impl Outline {
         self.ends = Some((first, point));
     }
 
-    fn centroid(mut self) -> Vector2<f64> {
+    /// Area and centroid of the polygon.
+    fn close(mut self) -> (f64, Vector2<f64>) {
         if let Some((first, _)) = self.ends {
             self.walk(first);
         }
-        if self.area > 0.0 { self.moment / self.area } else { Vector2::zeros() }
+        (self.area, if self.area > 0.0 { self.moment / self.area } else { Vector2::zeros() })
     }
 }
 

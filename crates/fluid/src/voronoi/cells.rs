@@ -79,6 +79,11 @@ impl Cells {
         BOX * spacing
     }
 
+    /// Facets of cell i to particles, then those on walls.
+    pub fn facets_and_walls(&self, i: usize) -> impl Iterator<Item = &Facet> {
+        self.facets.of(i).iter().chain(self.walls.of(i).iter().map(|wall| &wall.facet))
+    }
+
     /// Builds all cells.
     pub fn build(&mut self, setup: &Setup) {
         let count = setup.positions.len();
@@ -158,7 +163,7 @@ impl Cells {
             let room_of = |label: u32| fullness(i, label);
             let shape =
                 Shape { corners: polygons.of(i), planes: &plane_of, fullness: &room_of, spacing: setup.spacing };
-            let add = |label: u32, facet: Facet| match wall_of(label, own.len()) {
+            let add = |facet: Facet| match wall_of(facet.neighbour, own.len()) {
                 Some(k) => wall_facets.push(place_on_wall(setup, i, facet, own[k].chain)),
                 None => facets.push(facet),
             };

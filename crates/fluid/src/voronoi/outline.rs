@@ -55,7 +55,7 @@ impl<'a> Outline<'a> {
             if let Some(point) = self.surface_point(i) {
                 visit(point);
             }
-            for facet in facets.iter().chain(self.cells.walls.of(i).iter().map(|wall| &wall.facet)) {
+            for facet in self.cells.facets_and_walls(i) {
                 let (foot, along) = (position + facet.normal * facet.height, turn(&facet.normal));
                 visit(foot + along * facet.from);
                 visit(foot + along * facet.to);
@@ -83,7 +83,7 @@ impl<'a> Outline<'a> {
             if facets.len() < 2 || (position.x - x).abs() > 3.0 * self.cells.cells[i].surface {
                 continue;
             }
-            for facet in facets.iter().chain(self.cells.walls.of(i).iter().map(|wall| &wall.facet)) {
+            for facet in self.cells.facets_and_walls(i) {
                 let (foot, along) = (position + facet.normal * facet.height, turn(&facet.normal));
                 let ends = match facet.bound {
                     Bound::Exit => [Some(facet.to), None],

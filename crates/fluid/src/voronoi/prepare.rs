@@ -150,7 +150,7 @@ impl Prepared {
             let excess = (cell.area - volume).clamp(-LARGEST_EXCESS * volume, LARGEST_EXCESS * volume);
             let mut rate = operators::area_rate(cells, i, velocities);
             // Round a tip or a drop the surface has no one direction, and the gradient comes from too few neighbours.
-            let trust = if cell.is_open() { cell.flatness() } else { 1.0 };
+            let trust = cell.flatness();
             rate += trust * time_step * volume * gradients[i].determinant();
             if cell.is_open() && trust > 0.0 {
                 let outward = cell.outward;

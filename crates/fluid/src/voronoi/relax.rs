@@ -1,7 +1,7 @@
 //! Particles that conform to the outline of the water: Lloyd's iteration inside the polygons.
 
 use super::cells::{Cells, Setup};
-use crate::fill::{area, contains};
+use crate::fill::{area, contains, signed_area};
 use crate::parallel::Lists;
 use crate::parameters::Geometry;
 use crate::walls::{WallLayout, Walls};
@@ -36,7 +36,7 @@ pub fn relax(positions: &mut [Vector2<f64>], counts: &[usize], water: &[Vec<Vect
 
 fn settle(positions: &mut [Vector2<f64>], polygon: &[Vector2<f64>], spacing: f64) -> Vec<f64> {
     let mut outline = polygon.to_vec();
-    if outline.iter().enumerate().map(|(k, a)| a.perp(&outline[(k + 1) % outline.len()])).sum::<f64>() < 0.0 {
+    if signed_area(&outline) < 0.0 {
         outline.reverse();
     }
     outline.extend(outline.first().copied());

@@ -69,7 +69,7 @@ pub fn shift(
     let volumes = &state.volumes;
     parallel::fill(scratch, |i| {
         let cell = &cells[i];
-        let flatness = if cell.is_open() { cell.flatness() } else { 1.0 };
+        let flatness = cell.flatness();
         if flatness == 0.0 {
             return Vector2::zeros();
         }
@@ -117,9 +117,7 @@ fn part_pairs(state: &mut State, prepared: &Prepared, spacing: f64, scratch: &mu
 
 /// Sum of the vectors away from particles and walls' images nearer than `CROWDED` spacings, as long as these are nearer.
 fn away_from_crowds(prepared: &Prepared, i: usize, spacing: f64) -> Vector2<f64> {
-    let cells = &prepared.cells;
-    let between = cells.facets.of(i).iter();
-    let all = between.chain(cells.walls.of(i).iter().map(|wall| &wall.facet));
+    let all = prepared.cells.facets_and_walls(i);
     -all.map(|facet| facet.normal * (CROWDED * spacing - 2.0 * facet.height).max(0.0)).sum::<Vector2<f64>>()
 }
 
