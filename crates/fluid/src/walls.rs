@@ -11,6 +11,9 @@ use nalgebra::{DVector, Vector2};
 /// Cosine of the largest kink inside a chain (30 degrees); a larger one starts a new chain.
 const SMOOTH: f64 = 0.866;
 
+/// Cosine of the angle between the normals of two walls up to which they are sides of one corner, not faces of a plate.
+const SAME_SOLID: f64 = -0.5;
+
 /// A straight piece of wall at one instant, fluid on its left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
@@ -57,6 +60,12 @@ impl Segment {
         let (distance, along) = self.local(point);
         let beyond = along - along.clamp(0.0, self.length);
         distance * distance + beyond * beyond
+    }
+
+    /// Where the straight line through `a` and `b`, on different sides, meets the segment's line.
+    fn crossing(&self, a: &Vector2<f64>, b: &Vector2<f64>) -> Vector2<f64> {
+        let (before, after) = (self.local(a).0, self.local(b).0);
+        a + (b - a) * (before / (before - after))
     }
 
     /// Whether the straight line from `a` to `b` passes through the segment.
@@ -234,6 +243,30 @@ impl Walls {
     /// Whether a wall stands between two points, judged by the candidates of the first.
     pub fn separates(&self, a: &Vector2<f64>, b: &Vector2<f64>) -> bool {
         self.candidates(a).iter().any(|&segment| self.segments[segment as usize].is_crossed(a, b))
+    }
+
+    /// Whether a wall hides two points from each other. Across the corner of a solid, with less than a spacing of it
+    /// between them, they see each other: the water goes round.
+    pub fn hides(&self, a: &Vector2<f64>, b: &Vector2<f64>) -> bool {
+        let mut crossed: [Option<&Segment>; 2] = [None, None];
+        for &segment in self.candidates(a) {
+            let segment = &self.segments[segment as usize];
+            if segment.is_crossed(a, b) {
+                match crossed {
+                    [None, _] => crossed[0] = Some(segment),
+                    [_, None] => crossed[1] = Some(segment),
+                    _ => return true,
+                }
+            }
+        }
+        match crossed {
+            [None, _] => false,
+            [Some(one), Some(other)] => {
+                let chord = (one.crossing(a, b) - other.crossing(a, b)).norm();
+                chord > self.spacing || one.normal.dot(&other.normal) < SAME_SOLID
+            }
+            _ => true,
+        }
     }
 
     /// Appends the attachments of a particle: one per chain that it is in front of and that no other wall hides.

@@ -69,6 +69,12 @@ impl Facet {
         self.normal * self.height - turn(&self.normal) * (0.5 * (self.from + self.to))
     }
 
+    /// Length that the neighbour sees too; negative as far as the two are apart \[m\]. The corner of a solid may cut a
+    /// facet in two.
+    pub fn overlap(&self, seen: &Self) -> f64 {
+        self.to.min(-seen.from) - self.from.max(-seen.to)
+    }
+
     /// Shortens the facet to what the neighbour sees of it too.
     pub fn agree(&mut self, seen: Option<&Self>) {
         let Some(seen) = seen else {
@@ -76,8 +82,7 @@ impl Facet {
             return;
         };
         let (from, to) = (self.from.max(-seen.to), self.to.min(-seen.from));
-        let middle = 0.5 * (from + to);
-        (self.from, self.to) = if from > to { (middle, middle) } else { (from, to) };
+        (self.from, self.to) = if from > to { (self.from, self.from) } else { (from, to) };
     }
 
     /// Ends the facet where the free surface crosses it, `depth` outside the foot.

@@ -1,10 +1,11 @@
 //! The cells of all particles.
 
 use super::cell::{Bound, Cell, FAR, Facet, Shape, wall_of};
+use super::notch::{Line, Lines};
 use super::polygon::{self, Corner, Plane, Polygon, WALL};
 use crate::grid::Grid;
 use crate::parallel::{self, Lists};
-use crate::walls::{Attachment, FIXED, Segment, Walls};
+use crate::walls::{Attachment, FIXED, Walls};
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 
@@ -12,6 +13,8 @@ use rayon::prelude::*;
 const BOX: f64 = FAR;
 /// Share of a spacing below which a facet is dropped: touching corners of a square lattice.
 const SLACK: f64 = 1e-9;
+/// Distance in front of its wall, in spacings, from which a particle nearer or behind looks around.
+const LEAST_IN_FRONT: f64 = 0.02;
 /// Distance in spacings up to which neighbours are looked for first.
 const NEAR: f64 = 1.7;
 /// Largest number of neighbours that cut one cell.
@@ -55,7 +58,7 @@ pub struct Cells {
 #[derive(Debug, Clone, Copy)]
 struct WallPlane {
     plane: Plane,
-    chain: u32,
+    segment: u32,
 }
 
 /// What cells depend on.
@@ -91,9 +94,9 @@ impl Cells {
         self.room.resize(count, 0.0);
         let grid = &self.grid;
         self.corners.build_with(count, &mut self.planes, &mut self.room, |i, corners, planes, room| {
-            let polygon = cut_out(setup, grid, i, planes);
-            corners.extend_from_slice(polygon.corners());
-            *room = polygon::area(polygon.corners()) / setup.volumes[i];
+            let begin = corners.len();
+            take_out_solids(setup, i, &mut cut_out(setup, grid, i), corners, planes);
+            *room = polygon::area(&corners[begin..]) / setup.volumes[i];
         });
         self.bound_cells(setup);
         self.depths.resize(count, 0.0);
@@ -123,7 +126,8 @@ impl Cells {
                 let j = facet.neighbour as usize;
                 let mut common = *facet;
                 if odd[i] || odd[j] {
-                    common.agree(seen.of(j).iter().find(|other| other.neighbour as usize == i));
+                    let of_pair = seen.of(j).iter().filter(|other| other.neighbour as usize == i);
+                    common.agree(of_pair.max_by(|a, b| facet.overlap(a).total_cmp(&facet.overlap(b))));
                 }
                 out.push(common);
                 if cell.is_open() {
@@ -164,7 +168,7 @@ impl Cells {
             let shape =
                 Shape { corners: polygons.of(i), planes: &plane_of, fullness: &room_of, spacing: setup.spacing };
             let add = |facet: Facet| match wall_of(facet.neighbour, own.len()) {
-                Some(k) => wall_facets.push(place_on_wall(setup, i, facet, own[k].chain)),
+                Some(k) => wall_facets.push(place_on_wall(setup, i, facet, own[k].segment)),
                 None => facets.push(facet),
             };
             *cell = if shape.is_open() { shape.surface(setup.volumes[i], add) } else { shape.close(add) };
@@ -193,43 +197,57 @@ impl Cells {
     }
 }
 
-/// Appends the planes of the walls near a particle: those that it stands beside, and a tangent plane at each corner of
-/// a solid that it stands off.
-fn wall_planes(setup: &Setup, i: usize, planes: &mut Vec<WallPlane>) {
-    let walls = setup.walls;
-    let least = 0.02 * setup.spacing;
-    let own = setup.attachments.of(i);
-    for entry in own.iter().filter(|entry| walls.is_beside(entry)) {
-        let plane = Plane { normal: entry.normal, distance: entry.distance.max(least) };
-        planes.push(WallPlane { plane, chain: entry.chain });
-    }
-    for entry in own.iter().filter(|entry| !walls.is_beside(entry)) {
-        let chain = &walls.chains[entry.chain as usize];
-        let first = entry.arc < 0.0;
-        let corner = if first { walls.segments[chain.first].start } else { walls.segments[chain.last - 1].end() };
-        let covered = own.iter().any(|other| {
-            let line = &walls.segments[other.segment as usize];
-            walls.is_beside(other) && line.normal.dot(&(corner - line.start)) > -1e-6 * setup.spacing
-        });
-        let to_corner = corner - setup.positions[i];
-        let distance = to_corner.norm();
-        if !covered && distance < walls.radius() && distance > least {
-            planes.push(WallPlane { plane: Plane { normal: to_corner / distance, distance }, chain: entry.chain });
+/// Takes the solids near particle i out of its polygon. Appends the corners of what remains, and a plane for every wall
+/// that may be an edge of it.
+fn take_out_solids(
+    setup: &Setup,
+    i: usize,
+    polygon: &mut Polygon,
+    corners: &mut Vec<Corner>,
+    planes: &mut Vec<WallPlane>,
+) {
+    let (walls, spacing) = (setup.walls, setup.spacing);
+    let here = setup.positions[i];
+    let reach = polygon.squared_reach();
+    let near = |segment: &&u32| walls.segments[**segment as usize].squared_distance(&here) < reach;
+    let begin = planes.len();
+    let mut lines = Lines::of(polygon.corners(), spacing);
+    for &index in walls.candidates(&here).iter().filter(near) {
+        let wall = &walls.segments[index as usize];
+        let label = WALL - (planes.len() - begin) as u32;
+        let line = Line { start: wall.start - here, tangent: wall.tangent, length: wall.length, label };
+        if lines.add_wall(line) {
+            let plane = Plane { normal: wall.normal, distance: wall.local(&here).0 };
+            planes.push(WallPlane { plane, segment: index });
         }
     }
+    if planes.len() == begin {
+        corners.extend_from_slice(polygon.corners());
+        return;
+    }
+    // A particle behind its wall sees what one just in front of it would.
+    let least = LEAST_IN_FRONT * spacing;
+    let own = || setup.attachments.of(i).iter().filter(|entry| walls.is_beside(entry));
+    let behind = own().filter(|entry| entry.distance < least);
+    let inside = behind.fold(Vector2::zeros(), |place, entry| place - entry.normal * (least - entry.distance));
+    if lines.walk(&inside, corners) {
+        return;
+    }
+    planes.truncate(begin);
+    for (k, entry) in own().enumerate() {
+        let plane = Plane { normal: entry.normal, distance: entry.distance.max(least) };
+        planes.push(WallPlane { plane, segment: entry.segment });
+        polygon.cut(&plane, WALL - k as u32, SLACK * spacing);
+    }
+    corners.extend_from_slice(polygon.corners());
 }
 
-/// The part of the box around a particle that is nearer to it than to any other and in front of the walls.
-fn cut_out(setup: &Setup, grid: &Grid, i: usize, planes: &mut Vec<WallPlane>) -> Polygon {
+/// The part of the box around a particle that is nearer to it than to any other that it sees.
+fn cut_out(setup: &Setup, grid: &Grid, i: usize) -> Polygon {
     let spacing = setup.spacing;
     let here = setup.positions[i];
     let mut polygon = Polygon::square(BOX * spacing);
     let slack = SLACK * spacing;
-    let begin = planes.len();
-    wall_planes(setup, i, planes);
-    for (k, wall) in planes[begin..].iter().enumerate() {
-        polygon.cut(&wall.plane, WALL - k as u32, slack);
-    }
     let near_wall = !setup.walls.candidates(&here).is_empty();
     let mut reach = polygon.squared_reach();
     let mut nearest = [(0.0, 0u32); NEAREST];
@@ -243,7 +261,7 @@ fn cut_out(setup: &Setup, grid: &Grid, i: usize, planes: &mut Vec<WallPlane>) ->
         grid.for_each_within(&here, rings, |j| {
             let squared = (setup.positions[j] - here).norm_squared();
             let outside = squared >= to || squared < from || j == i;
-            let hidden = || near_wall && setup.walls.separates(&here, &setup.positions[j]);
+            let hidden = || near_wall && setup.walls.hides(&here, &setup.positions[j]);
             if !outside && !hidden() {
                 insert(&mut nearest, &mut found, (squared, j as u32));
             }
@@ -288,14 +306,9 @@ fn insert(nearest: &mut [(f64, u32); NEAREST], found: &mut usize, entry: (f64, u
 }
 
 /// Where on its wall a facet lies.
-fn place_on_wall(setup: &Setup, i: usize, facet: Facet, chain: u32) -> WallFacet {
-    let walls = setup.walls;
+fn place_on_wall(setup: &Setup, i: usize, facet: Facet, segment: u32) -> WallFacet {
+    let segment = &setup.walls.segments[segment as usize];
     let place = setup.positions[i] + facet.middle();
-    let run = &walls.segments[walls.chains[chain as usize].first..walls.chains[chain as usize].last];
-    let distance = |segment: &Segment| segment.squared_distance(&place);
-    let nearest = run.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.map_or(WallFacet { facet, panel: FIXED, fraction: 0.0, filler: false }, |segment| {
-        let fraction = (segment.local(&place).1 / segment.length).clamp(0.0, 1.0);
-        WallFacet { facet, panel: segment.panel, fraction, filler: false }
-    })
+    let fraction = (segment.local(&place).1 / segment.length).clamp(0.0, 1.0);
+    WallFacet { facet, panel: segment.panel, fraction, filler: false }
 }

@@ -3,6 +3,7 @@
 pub mod cell;
 pub mod cells;
 pub mod enclosed;
+pub mod notch;
 pub mod operators;
 pub mod outline;
 pub mod polygon;
