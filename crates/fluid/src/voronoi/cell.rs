@@ -69,20 +69,10 @@ impl Facet {
         self.normal * self.height - turn(&self.normal) * (0.5 * (self.from + self.to))
     }
 
-    /// Length that the neighbour sees too; negative as far as the two are apart \[m\]. The corner of a solid may cut a
-    /// facet in two.
-    pub fn overlap(&self, seen: &Self) -> f64 {
-        self.to.min(-seen.from) - self.from.max(-seen.to)
-    }
-
-    /// Shortens the facet to what the neighbour sees of it too.
-    pub fn agree(&mut self, seen: Option<&Self>) {
-        let Some(seen) = seen else {
-            self.to = self.from;
-            return;
-        };
+    /// The part of the facet that the neighbour sees in its facet `seen` too.
+    pub fn common(&self, seen: &Self) -> Option<Self> {
         let (from, to) = (self.from.max(-seen.to), self.to.min(-seen.from));
-        (self.from, self.to) = if from > to { (self.from, self.from) } else { (from, to) };
+        (to > from).then_some(Self { from, to, ..*self })
     }
 
     /// Ends the facet where the free surface crosses it, `depth` outside the foot.

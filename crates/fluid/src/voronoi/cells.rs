@@ -124,22 +124,26 @@ impl Cells {
             out_walls.extend_from_slice(walls.of(i));
             for facet in seen.of(i) {
                 let j = facet.neighbour as usize;
-                let mut common = *facet;
-                if odd[i] || odd[j] {
-                    let of_pair = seen.of(j).iter().filter(|other| other.neighbour as usize == i);
-                    common.agree(of_pair.max_by(|a, b| facet.overlap(a).total_cmp(&facet.overlap(b))));
+                if !(odd[i] || odd[j]) {
+                    out.push(*facet);
+                    continue;
                 }
-                out.push(common);
+                let begin = out.len();
+                let of_pair = seen.of(j).iter().filter(|other| other.neighbour as usize == i);
+                out.extend(of_pair.filter_map(|other| facet.common(other)));
                 if cell.is_open() {
                     continue;
                 }
+                out[begin..].sort_by(|a, b| a.from.total_cmp(&b.from));
                 let near = walls.of(i).first().or(walls.of(j).first());
-                for (from, to) in [(facet.from, common.from), (common.to, facet.to)] {
+                let (panel, fraction) = near.map_or((FIXED, 0.0), |wall| (wall.panel, wall.fraction));
+                let mut from = facet.from;
+                for (to, next) in out[begin..].iter().map(|part| (part.from, part.to)).chain([(facet.to, facet.to)]) {
                     if to - from > SLACK * setup.spacing {
                         let rest = Facet { from, to, ..*facet };
-                        let (panel, fraction) = near.map_or((FIXED, 0.0), |wall| (wall.panel, wall.fraction));
                         out_walls.push(WallFacet { facet: rest, panel, fraction, filler: true });
                     }
+                    from = next;
                 }
             }
         });
