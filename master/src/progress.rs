@@ -32,6 +32,11 @@ impl Progress {
         self.bar.set_message(format!("t = {time:.4} s, {iterations:.1} iterations a step"));
     }
 
+    /// Shows a warning above the bar, on standard error.
+    pub fn warn(&self, text: &str) {
+        self.bar.suspend(|| eprintln!("warning: {text}"));
+    }
+
     /// Takes the bar off the terminal.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

@@ -41,6 +41,8 @@ pub struct Outcome {
     pub series: Series,
     /// Iterations.
     pub counts: IterationCounts,
+    /// Coupling method, as it was used at last.
+    pub method: scene::Method,
     /// Wall-clock time by stage \[s\].
     pub stages: Stages,
     /// Where the run stopped \[s\], from its start.
@@ -53,7 +55,7 @@ impl Outcome {
     /// The coupling part of the summary.
     pub fn coupling(&self, case: &Case) -> CouplingSummary {
         CouplingSummary {
-            method: if case.connection.is_empty() { "none" } else { method_name(case.coupling.method) }.to_string(),
+            method: if case.connection.is_empty() { "none" } else { method_name(self.method) }.to_string(),
             mean_iterations: self.counts.mean(),
             maximum_iterations: self.counts.maximum,
             rollbacks: self.counts.rollbacks,
@@ -64,7 +66,9 @@ impl Outcome {
 /// The word of a method in a case file.
 pub fn method_name(method: scene::Method) -> &'static str {
     match method {
+        scene::Method::Auto => "auto",
         scene::Method::Explicit => "explicit",
+        scene::Method::Newton => "newton",
         scene::Method::Constant => "constant",
         scene::Method::Aitken => "aitken",
         scene::Method::IqnIls => "iqn_ils",
@@ -127,6 +131,7 @@ impl Run {
             let iterations = &mut self.iterations;
             let result = self.stepper.advance(&mut self.system, &mut |row| iterations.write(row));
             self.stages.advancing += start.elapsed().as_secs_f64();
+            self.stepper.take_warnings().iter().for_each(|warning| progress.warn(warning));
             let report = result?;
             self.counts.add(&report);
             self.record()?;
@@ -159,6 +164,7 @@ impl Run {
             simulated: self.stepper.clock().time() - start,
             series: self.results.series().clone(),
             counts: self.counts,
+            method: self.stepper.method(),
             stages: self.stages,
             wall: begin.elapsed().as_secs_f64(),
         }

@@ -3,7 +3,7 @@
 
 use crate::case::{Case, Connection, Fmu};
 use components::{GAUGES, MAXIMUM_MODES, PROBES, REGIONS};
-use scene::{Freedom, Scene};
+use scene::{Freedom, Method, Scene, Scheme};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +39,7 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
         }
         fmus.push(fluid);
     }
-    let connection = if fmus.len() == 2 { connections(&freedoms) } else { Vec::new() };
+    let connection = if fmus.len() == 2 { connections(scene, &freedoms) } else { Vec::new() };
     // With one internal step of the fluid per step, its load is affine in the motion and iterations converge fast.
     let step_limit = (!connection.is_empty()).then(|| format!("{FLUID}.time_step.suggested"));
     Case {
@@ -110,7 +110,20 @@ fn variables(freedom: &Ending) -> (Vec<String>, String) {
     (motion.to_vec(), format!("load.{}", freedom.load))
 }
 
-fn connections(freedoms: &[Ending]) -> Vec<Connection> {
+/// Whether the structure takes the fluid's added mass into its equations. Iterations do not need it, and the scheme
+/// `paper` has none.
+fn passes_added_mass(scene: &Scene) -> bool {
+    let accurate = scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == Scheme::Accurate);
+    scene.coupling.method == Method::Explicit && scene.coupling.added_mass && accurate
+}
+
+/// Index of a degree of freedom in the added mass, from 1.
+fn number(freedom: &Ending) -> usize {
+    let all = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MAXIMUM_MODES).map(mode));
+    1 + all.take_while(|known| known != freedom).count()
+}
+
+fn connections(scene: &Scene, freedoms: &[Ending]) -> Vec<Connection> {
     let link = |from: &str, to: &str, variable: &str| Connection {
         from: format!("{from}.{variable}"),
         to: format!("{to}.{variable}"),
@@ -121,6 +134,15 @@ fn connections(freedoms: &[Ending]) -> Vec<Connection> {
         let (motion, load) = variables(freedom);
         connections.extend(motion.iter().map(|variable| link(STRUCTURE, FLUID, variable)));
         connections.push(link(FLUID, STRUCTURE, &load));
+    }
+    if passes_added_mass(scene) {
+        for row in freedoms {
+            connections.push(link(FLUID, STRUCTURE, &format!("load.a{}", row.motion)));
+            for column in freedoms {
+                let entry = format!("added_mass[{},{}]", number(row), number(column));
+                connections.push(link(FLUID, STRUCTURE, &entry));
+            }
+        }
     }
     connections
 }
@@ -134,8 +156,12 @@ fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
     names.extend((regions + 1..=REGIONS).map(|i| format!("{FLUID}.region.mass[{i}]")));
     let gauges = scene.fluid.as_ref().map_or(0, |fluid| fluid.gauge.len());
     names.extend((gauges + 1..=GAUGES).map(|i| format!("{FLUID}.level[{i}]")));
-    let all = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MAXIMUM_MODES).map(mode));
-    for freedom in all.filter(|freedom| !freedoms.contains(freedom)) {
+    let all = || [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MAXIMUM_MODES).map(mode));
+    for row in all() {
+        names.push(format!("{FLUID}.load.a{}", row.motion));
+        names.extend(all().map(|column| format!("{FLUID}.added_mass[{},{}]", number(&row), number(&column))));
+    }
+    for freedom in all().filter(|freedom| !freedoms.contains(freedom)) {
         let (motion, load) = variables(&freedom);
         names.extend(motion.iter().map(|variable| format!("{STRUCTURE}.{variable}")));
         names.push(format!("{FLUID}.{load}"));

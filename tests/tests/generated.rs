@@ -53,7 +53,8 @@ fn inputs_of_one_are_outputs_of_the_other_with_equal_types() {
                 }
             }
         }
-        assert_eq!(inputs, 4 * (3 + modes), "three families of motion and one of loads");
+        let size = 3 + modes;
+        assert_eq!(inputs, 5 * size + size * size, "three families of motion, loads, their accelerations, added mass");
     }
 }
 

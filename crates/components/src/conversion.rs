@@ -85,6 +85,7 @@ pub fn structure(scene: &Scene) -> Result<structure::Parameters, Error> {
         angle: structure.angle,
         beam,
         free: freedoms.map(|freedom| structure.free.contains(&freedom)),
+        springs: structure.springs,
         integrator: integrator(structure),
         tolerance: 1e-11,
         maximum_iterations: 20,
@@ -114,6 +115,7 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         water: part.water.iter().map(|water| vectors(&water.polygon)).collect(),
         fixed_walls: part.wall.iter().map(polyline).collect(),
         body: body(scene)?,
+        active: active(scene),
         probes: part.probe.iter().flat_map(|probe| vectors(&probe.points())).collect(),
         regions: part.region.iter().map(|region| vectors(&region.polygon)).collect(),
         start: start(&part.start),
@@ -136,6 +138,14 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         threads: part.threads,
     };
     Ok((parameters, geometry))
+}
+
+/// Coordinates that answer to the load: the free ones of the rigid part, and the modes.
+fn active(scene: &Scene) -> Vec<usize> {
+    let free = |freedom| scene.structure.as_ref().is_some_and(|structure| structure.free.contains(freedom));
+    let rigid = [Freedom::X, Freedom::Y, Freedom::Theta].iter().enumerate().filter(|(_, freedom)| free(freedom));
+    let modes = kinematics::RIGID..kinematics::RIGID + scene.modes();
+    rigid.map(|(index, _)| index).chain(modes).collect()
 }
 
 fn start(start: &scene::Start) -> fluid::AffineVelocity {

@@ -3,9 +3,9 @@
 mod machinery;
 mod table;
 
-use crate::interface::{COORDINATES, MotionValues};
+use crate::interface::{COORDINATES, LOAD_ACCELERATION, MotionValues, coordinate};
 use crate::parameters::{HasSceneParameters, SceneParameters};
-use crate::{Error, conversion};
+use crate::{Error, LOAD, VELOCITY, conversion};
 use fluid::Observables;
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::MAXIMUM_MODES;
@@ -38,6 +38,7 @@ struct StepReport {
     iterations: i32,
     substeps: i32,
     suggested_step: f64,
+    duration: f64,
 }
 
 /// What the scene became and where it stands.
@@ -97,7 +98,7 @@ impl FluidComponent {
 
     fn prepare(&mut self, start: f64) -> Result<(), Error> {
         let scene = Arc::new(self.resolve_scene()?);
-        let machinery = Machinery::new(Arc::clone(&scene), self.modes, &self.state.parameters.common, start)?;
+        let mut machinery = Machinery::new(Arc::clone(&scene), self.modes, &self.state.parameters.common, start)?;
         let mut state = machinery.solver.initial_state();
         state.time = start;
         for (entry, value) in
@@ -105,6 +106,8 @@ impl FluidComponent {
         {
             *entry = value;
         }
+        state.motion.position.copy_from_slice(&self.state.motion.position[..state.motion.position.len()]);
+        machinery.solver.begin(&mut state, &mut machinery.workspace)?;
         self.observed = OnceCell::new();
         self.state.progress = Some(Progress { scene, start, state, report: StepReport::default() });
         self.machinery = Some(machinery);
@@ -120,6 +123,19 @@ impl FluidComponent {
     fn load(&self, index: usize) -> f64 {
         let load = self.state.progress.as_ref().and_then(|progress| progress.state.load.get(index));
         load.copied().unwrap_or(0.0)
+    }
+
+    fn load_acceleration(&self, index: usize) -> f64 {
+        let acceleration = self.state.progress.as_ref().and_then(|progress| progress.state.acceleration.get(index));
+        acceleration.copied().unwrap_or(0.0)
+    }
+
+    /// Entry of the added mass; the index is that of the largest interface.
+    fn added_mass(&self, row: usize, column: usize) -> f64 {
+        let Some(progress) = &self.state.progress else { return 0.0 };
+        let size = progress.state.acceleration.len();
+        let inside = row < size && column < size;
+        if inside { progress.state.added_mass[row * size + column] } else { 0.0 }
     }
 }
 
@@ -185,6 +201,7 @@ impl Component for FluidComponent {
             iterations: i32::try_from(report.iterations).unwrap_or(i32::MAX),
             substeps: i32::try_from(report.substeps).unwrap_or(i32::MAX),
             suggested_step: report.suggested_step,
+            duration: step,
         };
         self.seconds.add(&report.stages);
         self.observed = OnceCell::new();
@@ -218,8 +235,28 @@ impl Component for FluidComponent {
         Ok(())
     }
 
-    fn derivatives(&mut self, _unknowns: &[Reference], _knowns: &[Reference]) -> Result<Vec<f64>, Failure> {
-        Err(Failure::refused("the fluid gives no directional derivatives"))
+    fn derivatives(&mut self, unknowns: &[Reference], knowns: &[Reference]) -> Result<Vec<f64>, Failure> {
+        let Some(progress) = &self.state.progress else { return Err(not_initialised()) };
+        let duration = progress.report.duration;
+        if duration <= 0.0 {
+            return Err(Failure::refused("directional derivatives belong to a step, and none was done yet"));
+        }
+        if matches!(self.machinery.as_ref().map(|machinery| machinery.solver.has_added_mass()), Some(false)) {
+            return Err(Failure::refused(
+                "the scheme 'paper' has no added mass and so no directional derivatives: couple with iqn_ils or aitken",
+            ));
+        }
+        // Within the step the water answers to the mean acceleration alone, and that follows from the end velocity.
+        let entry = |unknown: Reference, known: Reference| -> f64 {
+            let Some((VELOCITY, column)) = coordinate(known) else { return 0.0 };
+            match coordinate(unknown) {
+                Some((LOAD, row)) => -self.added_mass(row, column) / duration,
+                Some((LOAD_ACCELERATION, row)) if row == column => 1.0 / duration,
+                _ => 0.0,
+            }
+        };
+        let pairs = unknowns.iter().flat_map(|&unknown| knowns.iter().map(move |&known| (unknown, known)));
+        Ok(pairs.map(|(unknown, known)| entry(unknown, known)).collect())
     }
 }
 

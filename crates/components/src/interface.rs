@@ -14,6 +14,11 @@ pub const ACCELERATION: Reference = 140;
 /// Reference of `load.fx`; fy, mz and the modal loads follow.
 pub const LOAD: Reference = 200;
 
+/// Reference of `load.ax`; the other accelerations that the load belongs to follow.
+pub const LOAD_ACCELERATION: Reference = 220;
+/// Reference of `added_mass[1,1]`; entries of a row follow, rows are `COORDINATES` apart.
+pub const ADDED_MASS: Reference = 500;
+
 /// Coordinates of the largest interface.
 pub const COORDINATES: usize = RIGID + MAXIMUM_MODES;
 
@@ -48,6 +53,50 @@ impl MotionValues {
         values.acceleration[..size].copy_from_slice(motion.acceleration.as_slice());
         values
     }
+}
+
+/// Kind of the added mass between two coordinates.
+fn mass_type(row: usize, column: usize) -> &'static str {
+    let class = |index: usize| if index < 2 { 0 } else { (index - 1).min(2) };
+    match (class(row).min(class(column)), class(row).max(class(column))) {
+        (0, 0) => "Mass",
+        (0, 1) => "MassMoment",
+        (1, 1) => "Inertia",
+        (0, _) => "ModalMassRatio",
+        (1, _) => "ModalMassMoment",
+        _ => "ModalMass",
+    }
+}
+
+/// Index of an entry of the added mass in a matrix of the largest interface.
+pub fn mass_index(row: usize, column: usize) -> usize {
+    row * COORDINATES + column
+}
+
+/// The accelerations that the load belongs to and the added mass, as outputs.
+pub fn answer_variables<C>(
+    modes: usize,
+    acceleration: fn(&C, usize) -> f64,
+    mass: fn(&C, usize) -> f64,
+) -> [Vec<Variable<C>>; 2] {
+    let size = RIGID + modes;
+    let names = |index: usize| match index.checked_sub(RIGID) {
+        None => ["load.ax", "load.ay", "load.atheta"][index].to_string(),
+        Some(mode) => format!("load.aq[{}]", mode + 1),
+    };
+    let accelerations = (0..size).map(|index| {
+        let kind = FAMILIES[2].types[if index < RIGID { index / 2 } else { 2 }];
+        let meaning = "mean acceleration over the communication step that load.* belongs to";
+        Variable::real(LOAD_ACCELERATION + index as Reference, names(index), meaning, kind, acceleration).at(index)
+    });
+    let masses = (0..size * size).map(|entry| {
+        let (row, column) = (entry / size, entry % size);
+        let index = mass_index(row, column);
+        let name = format!("added_mass[{},{}]", row + 1, column + 1);
+        let meaning = "added mass: load.* falls by it for a unit of mean acceleration beyond load.a*";
+        Variable::real(ADDED_MASS + index as Reference, name, meaning, mass_type(row, column), mass).at(index)
+    });
+    [accelerations.collect(), masses.collect()]
 }
 
 /// One family of the interface: first reference, names of the rigid coordinates, name of the modal ones, types and
@@ -115,8 +164,9 @@ pub fn variables<C>(modes: usize, get: Getters<C>) -> Vec<(Reference, Variable<C
 
 /// Which family a reference belongs to and which coordinate it is.
 pub fn coordinate(reference: Reference) -> Option<(Reference, usize)> {
-    FAMILIES.iter().find_map(|family| {
-        let index = reference.checked_sub(family.first)? as usize;
-        (index < COORDINATES).then_some((family.first, index))
+    let families = FAMILIES.iter().map(|family| family.first).chain([LOAD_ACCELERATION]);
+    families.into_iter().find_map(|first| {
+        let index = reference.checked_sub(first)? as usize;
+        (index < COORDINATES).then_some((first, index))
     })
 }

@@ -3,7 +3,7 @@
 use fmi2::{SimpleType, Unit};
 
 /// Name, exponents of kg, m, s, rad. Units of modal quantities have square roots and thus no exponents.
-const UNITS: [(&str, Option<[i8; 4]>); 19] = [
+const UNITS: [(&str, Option<[i8; 4]>); 23] = [
     ("m", Some([0, 1, 0, 0])),
     ("m/s", Some([0, 1, -1, 0])),
     ("m/s2", Some([0, 1, -2, 0])),
@@ -23,10 +23,14 @@ const UNITS: [(&str, Option<[i8; 4]>); 19] = [
     ("s", Some([0, 0, 1, 0])),
     ("m2", Some([0, 2, 0, 0])),
     ("N.m.s/m", Some([1, 1, -1, 0])),
+    ("kg.m/m", Some([1, 0, 0, 0])),
+    ("kg.m2/m", Some([1, 1, 0, 0])),
+    ("sqrt(kg/m)", None),
+    ("1", Some([0, 0, 0, 0])),
 ];
 
 /// Name, quantity, unit, meaning. Mechanical quantities are per metre of width.
-const TYPES: [(&str, &str, &str, &str); 20] = [
+const TYPES: [(&str, &str, &str, &str); 25] = [
     ("Displacement", "Length", "m", "displacement from the pose in the scene"),
     ("Velocity", "Velocity", "m/s", "velocity"),
     ("Acceleration", "Acceleration", "m/s2", "acceleration"),
@@ -47,6 +51,11 @@ const TYPES: [(&str, &str, &str, &str); 20] = [
     ("Length", "Length", "m", "length or coordinate"),
     ("Area", "Area", "m2", "area in the plane"),
     ("AngularMomentum", "AngularMomentumPerWidth", "N.m.s/m", "angular momentum per metre of width"),
+    ("MassMoment", "MassMomentPerWidth", "kg.m/m", "mass times lever per metre of width"),
+    ("Inertia", "InertiaPerWidth", "kg.m2/m", "moment of inertia per metre of width"),
+    ("ModalMass", "ModalMass", "1", "mass between two mass-normalised modes"),
+    ("ModalMassRatio", "ModalMassRatio", "sqrt(kg/m)", "mass between a translation and a mass-normalised mode"),
+    ("ModalMassMoment", "ModalMassMoment", "m.sqrt(kg/m)", "mass between a rotation and a mass-normalised mode"),
 ];
 
 /// All units.

@@ -3,17 +3,19 @@
 mod table;
 
 use crate::frames::{Field, Frame, Series, single};
-use crate::interface::{COORDINATES, MotionValues, coordinate};
+use crate::interface::{COORDINATES, MotionValues, coordinate, mass_index};
 use crate::parameters::{HasSceneParameters, SceneParameters};
 use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion};
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::{Body, MAXIMUM_MODES, Motion, RIGID};
+use nalgebra::{DMatrix, DVector};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
+use structure::AddedMass;
 
 /// Name of the series of field frames.
 const FIELD: &str = "structure";
@@ -40,7 +42,9 @@ struct Outputs {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct LastStep {
     before: structure::State,
+    /// Load that acted, without the constant one of the scene.
     load: Vec<f64>,
+    added: Option<AddedMass>,
     duration: f64,
 }
 
@@ -58,6 +62,9 @@ struct Progress {
 pub struct State {
     parameters: Parameters,
     load: [f64; COORDINATES],
+    load_acceleration: [f64; COORDINATES],
+    /// Added mass of the largest interface, row after row.
+    added_mass: Vec<f64>,
     outputs: Outputs,
     progress: Option<Progress>,
 }
@@ -179,18 +186,32 @@ impl StructureComponent {
             write_frame(&mut machinery.series, number, time, frame)?;
         }
         let load = machinery.load(&self.state.load);
+        let added = added_mass(&self.state.added_mass, &self.state.load_acceleration, load.len());
         let mut state = progress.state.clone();
         state.time = time;
-        let report = machinery
-            .solver
-            .step(&mut state, &load, step, &mut machinery.workspace)
-            .map_err(|error| Failure::discard(error.to_string()))?;
+        let solver = &machinery.solver;
+        let result = match &added {
+            None => solver.step(&mut state, &load, step, &mut machinery.workspace).map(|report| (report, load)),
+            Some(added) => solver.step_with_added_mass(&mut state, &load, added, step, &mut machinery.workspace),
+        };
+        let (report, load) = result.map_err(|error| Failure::discard(error.to_string()))?;
         state.time = time + step;
         self.state.outputs = machinery.outputs(&state, report.iterations);
         let before = std::mem::replace(&mut progress.state, state);
-        progress.last = Some(LastStep { before, load, duration: step });
+        progress.last = Some(LastStep { before, load, added, duration: step });
         Ok(())
     }
+}
+
+/// What the fluid answers to accelerations; none where no added mass is connected.
+fn added_mass(matrix: &[f64], acceleration: &[f64], size: usize) -> Option<AddedMass> {
+    if matrix.iter().all(|&entry| entry == 0.0) {
+        return None;
+    }
+    Some(AddedMass {
+        matrix: DMatrix::from_fn(size, size, |row, column| matrix[mass_index(row, column)]),
+        acceleration: DVector::from_column_slice(&acceleration[..size]),
+    })
 }
 
 fn not_initialised() -> Failure {
@@ -229,6 +250,8 @@ impl Component for StructureComponent {
         let state = State {
             parameters: Parameters::default(),
             load: [0.0; COORDINATES],
+            load_acceleration: [0.0; COORDINATES],
+            added_mass: vec![0.0; COORDINATES * COORDINATES],
             outputs: Outputs::default(),
             progress: None,
         };
@@ -292,6 +315,12 @@ impl Component for StructureComponent {
             .solver
             .sensitivity(&last.before, &progress.state, &last.load, last.duration)
             .map_err(|error| Failure::refused(error.to_string()))?;
+        let sensitivity = match &last.added {
+            None => sensitivity,
+            Some(added) => sensitivity
+                .with_added_mass(added, last.duration)
+                .ok_or_else(|| Failure::refused("the added mass is no positive matrix: the step has no derivative"))?,
+        };
         let entry = |unknown: Reference, known: Reference| -> f64 {
             let (Some((family, row)), Some((LOAD, column))) = (coordinate(unknown), coordinate(known)) else {
                 return 0.0;

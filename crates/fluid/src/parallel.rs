@@ -24,6 +24,11 @@ pub fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
     });
 }
 
+/// Replaces every value by `new(i, value)` in parallel.
+pub fn update(values: &mut [f64], new: impl Fn(usize, f64) -> f64 + Sync) {
+    values.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(i, value)| *value = new(i, *value));
+}
+
 /// Largest of `term(i)`, or `least` when there is none larger. The maximum does not depend on the order.
 pub fn maximum(count: usize, least: f64, term: impl Fn(usize) -> f64 + Sync) -> f64 {
     (0..count).into_par_iter().with_min_len(CHUNK).map(&term).reduce(|| least, f64::max)

@@ -152,6 +152,8 @@ pub struct Geometry {
     pub fixed_walls: Vec<Vec<Vector2<f64>>>,
     /// The moving body.
     pub body: Option<Body>,
+    /// Generalised coordinates of the body that answer to the load. Only these have an added mass.
+    pub active: Vec<usize>,
     /// Points where the pressure is reported.
     pub probes: Vec<Vector2<f64>>,
     /// Regions whose water mass is reported, closed polygons.

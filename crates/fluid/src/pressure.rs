@@ -2,9 +2,8 @@
 
 use crate::matrix::Matrix;
 use crate::multigrid::Multigrid;
-use crate::parallel;
+use crate::parallel::{self, update};
 use crate::parameters::SolveParameters;
-use rayon::prelude::*;
 
 /// Vectors of the iteration.
 #[derive(Debug, Clone, Default)]
@@ -75,10 +74,6 @@ impl ConjugateGradient {
         let r = &self.r;
         parallel::sum(r.len(), &mut self.partial, |i| r[i] * r[i]).sqrt()
     }
-}
-
-fn update(values: &mut [f64], new: impl Fn(usize, f64) -> f64 + Sync) {
-    values.par_iter_mut().with_min_len(parallel::CHUNK).enumerate().for_each(|(i, value)| *value = new(i, *value));
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use crate::state::State;
 use crate::voronoi;
 use crate::walls::{WallLayout, Walls};
 use kinematics::Motion;
-use nalgebra::Vector2;
+use nalgebra::{DVector, Vector2};
 
 /// The semi-implicit particle method for one scene, in the scheme that its parameters name.
 ///
@@ -56,6 +56,8 @@ pub struct Workspace {
     pub(crate) end_panels: PanelMotion,
     pub(crate) right_side: Vec<f64>,
     pub(crate) solution: Vec<f64>,
+    /// Generalised acceleration over the step beyond the one that pressures were prepared for.
+    pub(crate) surplus: DVector<f64>,
     pub(crate) vectors: Vec<Vector2<f64>>,
     /// Positions before the particles were moved.
     pub(crate) before: Vec<Vector2<f64>>,
@@ -112,6 +114,11 @@ impl Solver {
         self.setting.geometry.body.as_ref().map_or(0, |body| body.modes())
     }
 
+    /// Whether the scheme gives an added mass.
+    pub fn has_added_mass(&self) -> bool {
+        matches!(self.setting.parameters.scheme, Scheme::Accurate(_))
+    }
+
     /// Side of the square of a particle's area \[m\]: near the spacing asked for, such that the water fits.
     pub fn effective_spacing(&self) -> f64 {
         self.setting.spacing
@@ -127,6 +134,8 @@ impl Solver {
             time_step: 0.0,
             motion: Motion::at_rest(modes),
             load: vec![0.0; kinematics::RIGID + modes],
+            acceleration: vec![0.0; kinematics::RIGID + modes],
+            added_mass: vec![0.0; (kinematics::RIGID + modes).pow(2)],
             positions: self.start.clone(),
             velocities: self.start.iter().map(|place| self.setting.geometry.start.at(place)).collect(),
             pressures: vec![0.0; count],
@@ -151,6 +160,7 @@ impl Solver {
             end_panels: PanelMotion::default(),
             right_side: Vec::new(),
             solution: Vec::new(),
+            surplus: DVector::zeros(0),
             vectors: Vec::new(),
             before: Vec::new(),
         }
@@ -173,6 +183,17 @@ impl Solver {
         }
         workspace.candidate = Some(candidate);
         result
+    }
+
+    /// Finds load and added mass at a communication point at which nothing was stepped yet, with the body as it stands.
+    /// Scenes in which nothing answers to the load, and the scheme `paper`, have none: nothing is done.
+    pub fn begin(&self, state: &mut State, workspace: &mut Workspace) -> Result<Report, Error> {
+        let mut report = Report::default();
+        let time_step = self.limits_now(state).stable_step();
+        let pace = Pace { time_step, stable_step: time_step, share: 1.0 };
+        workspace.target.clone_from(&state.motion);
+        self.pool.install(|| self.find_load(state, pace, workspace, &mut report))?;
+        Ok(report)
     }
 
     /// Figures of a state.
@@ -212,6 +233,7 @@ impl Solver {
     ) -> Result<Report, Error> {
         let mut report = Report::default();
         candidate.load.fill(0.0);
+        candidate.added_mass.fill(0.0);
         let mut done = 0.0;
         while done < duration {
             let now = self.limits_now(candidate);
@@ -227,6 +249,8 @@ impl Solver {
             self.internal_step(candidate, pace, workspace, &mut report)?;
             candidate.time = start.time + done;
         }
+        let mean = (&end.velocity - &start.motion.velocity) / duration;
+        candidate.acceleration.copy_from_slice(mean.as_slice());
         report.suggested_step = SUGGESTED_SHARE * self.limits_now(candidate).stable_step();
         Ok(report)
     }

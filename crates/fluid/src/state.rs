@@ -17,6 +17,11 @@ pub struct State {
     pub motion: Motion,
     /// Load on the generalised coordinates, mean over the last communication step \[N/m, N m/m, modal\].
     pub load: Vec<f64>,
+    /// Mean acceleration of the coordinates over the last communication step, which the load belongs to.
+    pub acceleration: Vec<f64>,
+    /// Added mass of the coordinates, row after row, mean over the last communication step; zero for coordinates that
+    /// do not answer to the load, and with the scheme `paper`.
+    pub added_mass: Vec<f64>,
     /// Positions \[m\].
     pub positions: Vec<Vector2<f64>>,
     /// Velocities \[m/s\].

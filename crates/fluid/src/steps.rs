@@ -77,14 +77,12 @@ impl Solver {
         report: &mut Report,
     ) -> Result<(), Error> {
         let setting = &self.setting;
-        let fresh = workspace.accurate.update(setting, accurate, state, pace, &mut report.stages);
-        report.reused += usize::from(!fresh);
-        let Workspace { accurate: prepared, frozen_end, target, .. } = &mut *workspace;
-        self.set_wall_acceleration(&mut prepared.panels, &state.motion.position, target, frozen_end, pace.time_step);
-        self.solve_on_cells(state, workspace, report)?;
+        self.solve_on_cells(accurate, state, pace, workspace, report)?;
         let mut watch = Watch::start();
-        if let Some(body) = &setting.geometry.body {
-            voronoi::step::add_body_load(state, &workspace.accurate, setting, body, pace.share);
+        voronoi::step::add_body_load(state, &workspace.accurate, setting, pace.share);
+        let responses = &workspace.accurate.responses;
+        for (sum, value) in state.added_mass.iter_mut().zip(&responses.added_mass) {
+            *sum += value * pace.share;
         }
         workspace.before.clone_from(&state.positions);
         voronoi::step::correct(state, &workspace.accurate, setting, pace.time_step);
@@ -97,8 +95,68 @@ impl Solver {
         Ok(())
     }
 
-    fn solve_on_cells(&self, state: &mut State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
+    /// Cells, matrix and pressure of one internal step. What does not depend on the motion asked for is kept for repeats
+    /// of the step; where coordinates answer to the load this includes the pressure itself, but for its small change
+    /// with the acceleration beyond the expected one.
+    fn solve_on_cells(
+        &self,
+        accurate: &AccurateParameters,
+        state: &mut State,
+        pace: Pace,
+        workspace: &mut Workspace,
+        report: &mut Report,
+    ) -> Result<(), Error> {
+        let setting = &self.setting;
+        let fresh = workspace.accurate.update(setting, accurate, state, pace, &mut report.stages);
+        report.reused += usize::from(!fresh);
         let mut watch = Watch::start();
+        workspace.solution.clone_from(&state.pressures);
+        if !setting.geometry.active.is_empty() {
+            if fresh {
+                self.prepare_responses(state, pace, workspace, report)?;
+            }
+            let Workspace { accurate: prepared, surplus, solution, target, .. } = &mut *workspace;
+            surplus.clone_from(&target.velocity);
+            *surplus -= &state.motion.velocity;
+            *surplus /= pace.time_step;
+            *surplus -= &state.motion.acceleration;
+            solution.clone_from(&prepared.base);
+            prepared.responses.add(surplus, solution);
+        }
+        let Workspace { accurate: prepared, frozen_end, target, .. } = &mut *workspace;
+        self.set_wall_acceleration(&mut prepared.panels, &state.motion.position, target, frozen_end, pace.time_step);
+        self.solve_for_walls(state.time, workspace, report)?;
+        state.pressures.copy_from_slice(&workspace.solution);
+        watch.lap(&mut report.stages.solve);
+        Ok(())
+    }
+
+    /// Unit responses, and the pressure with the body accelerating as at the end of the last step: both depend on the
+    /// state alone. `workspace.solution` holds the first guess.
+    fn prepare_responses(
+        &self,
+        state: &State,
+        pace: Pace,
+        workspace: &mut Workspace,
+        report: &mut Report,
+    ) -> Result<(), Error> {
+        let parameters = &self.setting.parameters;
+        let Workspace { accurate: prepared, solve, frozen_end, .. } = &mut *workspace;
+        let voronoi::prepare::Prepared { matrix, multigrid, responses, .. } = prepared;
+        let active = &self.setting.geometry.active;
+        responses.solve(active, parameters.density, matrix, multigrid, solve, &parameters.solve);
+        report.iterations += responses.iterations;
+        let mut expected = state.motion.clone();
+        expected.velocity += &state.motion.acceleration * pace.time_step;
+        let panels = &mut prepared.panels;
+        self.set_wall_acceleration(panels, &state.motion.position, &expected, frozen_end, pace.time_step);
+        self.solve_for_walls(state.time, workspace, report)?;
+        workspace.accurate.base.clone_from(&workspace.solution);
+        Ok(())
+    }
+
+    /// Solves for the pressure with the accelerations of the walls as set, from the guess in `workspace.solution`.
+    fn solve_for_walls(&self, time: f64, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
         let Workspace { accurate: prepared, solve, right_side, solution, .. } = workspace;
         let size = prepared.matrix.size();
         right_side.resize(size, 0.0);
@@ -106,12 +164,32 @@ impl Solver {
             let prepared = &*prepared;
             parallel::fill(right_side, |i| prepared.source[i] + prepared.wall_source(&self.setting, i));
         }
-        solution.clone_from(&state.pressures);
         let parameters = &self.setting.parameters.solve;
         let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
-        self.account(&outcome, size, state.time, report)?;
-        state.pressures.copy_from_slice(solution);
-        watch.lap(&mut report.stages.solve);
+        self.account(&outcome, size, time, report)
+    }
+
+    /// Load and added mass of a state, with the body accelerating as at the end of the last step.
+    pub(crate) fn find_load(
+        &self,
+        state: &mut State,
+        pace: Pace,
+        workspace: &mut Workspace,
+        report: &mut Report,
+    ) -> Result<(), Error> {
+        let Scheme::Accurate(accurate) = &self.setting.parameters.scheme else { return Ok(()) };
+        if self.setting.geometry.active.is_empty() {
+            return Ok(());
+        }
+        let mut scratch = state.clone();
+        scratch.load.fill(0.0);
+        let change = &scratch.motion.acceleration * pace.time_step;
+        workspace.target.velocity += change;
+        self.solve_on_cells(accurate, &mut scratch, pace, workspace, report)?;
+        voronoi::step::add_body_load(&mut scratch, &workspace.accurate, &self.setting, 1.0);
+        state.load = scratch.load;
+        state.acceleration.copy_from_slice(state.motion.acceleration.as_slice());
+        state.added_mass.clone_from(&workspace.accurate.responses.added_mass);
         Ok(())
     }
 

@@ -93,6 +93,8 @@ pub enum CheckKind {
     SeriesNoise,
     /// Frequency in hertz from the crossings of the mean.
     SeriesFrequency,
+    /// Frequency in hertz of the largest peak of the spectrum within 15 % of `level` Hz.
+    SpectralPeak,
     /// Mean period, times `time_scale`, from the crossings of the mean.
     SeriesPeriod,
     /// (last - first) / |first - rest|; with `window`, means of that length stand for first and last value.

@@ -22,6 +22,9 @@ pub struct Structure {
     /// Moment of inertia of the rigid part about its centre of gravity \[kg m2/m\]; needed when it rotates.
     #[serde(default)]
     pub inertia: f64,
+    /// Springs that pull x, y and theta back to the pose of the scene \[N/m, N/m, N m/rad, per metre of width\].
+    #[serde(default)]
+    pub springs: [f64; 3],
     /// Wetted rigid walls in the body frame, fluid on the left when walked along.
     #[serde(default)]
     pub wall: Vec<Wall>,

@@ -345,6 +345,8 @@ pub struct Region {
 pub struct Coupling {
     /// Method.
     pub method: Method,
+    /// For `explicit`: whether the structure takes the fluid's added mass into its equations.
+    pub added_mass: bool,
     /// Relaxation factor: of `constant`, and of the first iteration of the others (0 to 1).
     pub relaxation: f64,
     /// Residual allowed relative to the exchanged quantity.
@@ -364,7 +366,8 @@ pub struct Coupling {
 impl Default for Coupling {
     fn default() -> Self {
         Self {
-            method: Method::IqnIls,
+            method: Method::Auto,
+            added_mass: true,
             relaxation: 0.2,
             tolerance_relative: 1e-6,
             tolerance_absolute: 1e-6,
@@ -380,8 +383,13 @@ impl Default for Coupling {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
+    /// `newton` if every participant gives directional derivatives, else `iqn_ils`.
+    Auto,
     /// One pass per step.
+    #[serde(alias = "none")]
     Explicit,
+    /// Newton's method with the interface Jacobian from directional derivatives (Sicklinger et al. 2014).
+    Newton,
     /// Fixed-point iteration with a constant relaxation factor.
     Constant,
     /// Fixed-point iteration with Aitken's factor.

@@ -18,6 +18,7 @@ pub struct Dynamics {
     /// I_R + M_F |o|^2 + I_F: moment of inertia about o_R of the undeformed structure.
     inertia: f64,
     gravity: f64,
+    springs: [f64; RIGID],
     angle: f64,
     psi0: DVector<f64>,
     /// y_of psi0 + psi1: what couples theta with every mode.
@@ -55,6 +56,7 @@ impl Dynamics {
             middle: Vector2::zeros(),
             inertia: parameters.rigid_inertia,
             gravity: parameters.gravity,
+            springs: parameters.springs,
             angle: parameters.angle,
             psi0: DVector::zeros(0),
             lever: DVector::zeros(0),
@@ -128,6 +130,9 @@ impl Dynamics {
         out[0] = rigid.x;
         out[1] = rigid.y + self.mass * self.gravity;
         out[2] = 2.0 * spin * (q.dot(&qd) - self.middle.x * drift) + self.gravity * pose.turned_arm().y;
+        for (k, spring) in self.springs.iter().enumerate() {
+            out[k] += spring * position[k];
+        }
         for i in 0..self.modes() {
             let centrifugal = spin * spin * (self.middle.x * self.psi0[i] - q[i]);
             let weight = -self.gravity * pose.e1.y * self.psi0[i];
@@ -151,6 +156,9 @@ impl Dynamics {
         out[0] += rigid;
         out[1] += rigid + self.mass * self.gravity;
         out[2] += 2.0 * spin * (q.dot(&qd).abs() + self.middle.x.abs() * drift) + self.gravity * moment;
+        for (k, spring) in self.springs.iter().enumerate() {
+            out[k] += spring * motion.position[k].abs();
+        }
         for i in 0..self.modes() {
             let centrifugal = spin * spin * ((self.middle.x * self.psi0[i]).abs() + q[i].abs());
             let bending = self.squared_frequencies[i] * q[i].abs() + self.damping[i] * qd[i].abs();
@@ -178,6 +186,9 @@ impl Dynamics {
         out[(1, 2)] = by_theta.y;
         // d/dtheta of U Rot m_b is -Rot m_b, here against the acceleration of o_R and against gravity.
         out[(2, 2)] = -pose.arm().dot(&rigid_acceleration) - self.gravity * pose.arm().y;
+        for (k, spring) in self.springs.iter().enumerate() {
+            out[(k, k)] += spring;
+        }
         for i in 0..self.modes() {
             let (column, psi0) = (RIGID + i, self.psi0[i]);
             let rigid_by_mode = psi0 * (spin * spin * pose.e1 - turn * pose.e2);
@@ -215,13 +226,15 @@ impl Dynamics {
         0.5 * velocity.dot(&self.momenta(position, velocity))
     }
 
-    /// V, J per metre of width: weight (zero with o_R at its place in the scene and everything at its height) and bending.
+    /// V, J per metre of width: weight (zero with o_R at its place in the scene and everything at its height), springs
+    /// and bending.
     ///
     /// Print to mind: (A5) has the beam's centre without its deflection; here m_b carries it.
     pub fn potential_energy(&self, position: &DVector<f64>) -> f64 {
         let weight = self.gravity * (self.mass * position[1] + self.pose(position).arm().y);
         let q = modal(position);
-        weight + 0.5 * (0..self.modes()).map(|i| self.squared_frequencies[i] * q[i] * q[i]).sum::<f64>()
+        let springs = self.springs.iter().zip(position.iter()).map(|(spring, x)| 0.5 * spring * x * x).sum::<f64>();
+        weight + springs + 0.5 * (0..self.modes()).map(|i| self.squared_frequencies[i] * q[i] * q[i]).sum::<f64>()
     }
 
     /// Linear momentum in the global frame, kg m/s per metre of width.

@@ -11,6 +11,7 @@
 //! - [`Solver::step`]: computes, then commits: the state is unchanged on any error;
 //! - [`Solver::sensitivity`]: derivatives of a step by its load.
 
+mod added_mass;
 mod dynamics;
 mod error;
 mod newton;
@@ -21,6 +22,7 @@ mod solver;
 mod state;
 mod system;
 
+pub use added_mass::AddedMass;
 pub use dynamics::Dynamics;
 pub use error::Error;
 pub use parameters::{BeamParameters, Integrator, Parameters};

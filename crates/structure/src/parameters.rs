@@ -19,6 +19,8 @@ pub struct Parameters {
     pub beam: Option<BeamParameters>,
     /// Which of X, Y and theta move. A locked coordinate is not solved for: the system has a row less.
     pub free: [bool; 3],
+    /// Springs that pull X, Y and theta back to the scene's pose, N/m, N/m and N m/rad per metre of width, at least 0.
+    pub springs: [f64; 3],
     /// Time integration.
     pub integrator: Integrator,
     /// Bound of the relative residual at which Newton-Raphson stops, in [1e-13, 1e-2]; 1e-11 costs one iteration more than 1e-6.
@@ -81,6 +83,9 @@ impl Parameters {
         check("the rigid moment of inertia [kg m2/m]", self.rigid_inertia, inertial(self.rigid_inertia), range)?;
         check("the gravity [m/s2]", self.gravity, self.gravity >= 0.0, "at least 0 and finite")?;
         check("the angle [rad]", self.angle, true, "finite")?;
+        for (name, &spring) in ["x", "y", "theta"].iter().zip(&self.springs) {
+            check(&format!("the spring on {name}"), spring, spring >= 0.0, "at least 0 and finite")?;
+        }
         check(
             "the tolerance of Newton-Raphson",
             self.tolerance,

@@ -86,6 +86,7 @@ fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
             series::noise(&points, window).map(Figure::from)
         }
         CheckKind::SeriesFrequency => series::period(&points).map(|period| period.recip().into()),
+        CheckKind::SpectralPeak => series::spectral_peak(&points, check.level.unwrap_or(0.0)).map(Figure::from),
         CheckKind::SeriesPeriod => series::period(&points).map(|period| (period * check.time_scale).into()),
         CheckKind::RelativeChange => {
             series::relative_change(&points, check.rest, check.window, check.to).map(Figure::from)

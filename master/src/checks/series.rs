@@ -60,6 +60,39 @@ pub(super) fn period(points: &[(f64, f64)]) -> Result<f64, String> {
     }
 }
 
+/// Half-width of the search for a spectral peak, as a share of the expected frequency.
+const SEARCHED: f64 = 0.15;
+/// Frequencies tried in it.
+const TRIED: usize = 400;
+
+/// Frequency of the largest peak of the spectrum within 15 % of `expected` \[Hz\], from the records weighted by Hann's
+/// window; between the frequencies tried by a parabola.
+pub(super) fn spectral_peak(points: &[(f64, f64)], expected: f64) -> Result<f64, String> {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return Err("there are no records".into()) };
+    let (mean, length) = (mean(points)?, last.0 - first.0);
+    if expected <= 0.0 || length * expected < 10.0 {
+        return Err(format!("{length} s of records at an expected {expected} Hz, expected at least 10 periods"));
+    }
+    let power = |frequency: f64| {
+        let (mut real, mut imaginary) = (0.0, 0.0);
+        for (time, value) in points {
+            let weight = 1.0 - (std::f64::consts::TAU * (time - first.0) / length).cos();
+            let (sin, cos) = (std::f64::consts::TAU * frequency * time).sin_cos();
+            real += weight * (value - mean) * cos;
+            imaginary += weight * (value - mean) * sin;
+        }
+        real * real + imaginary * imaginary
+    };
+    let step = 2.0 * SEARCHED * expected / TRIED as f64;
+    let frequency = |k: usize| (1.0 - SEARCHED) * expected + k as f64 * step;
+    let powers: Vec<f64> = (0..=TRIED).map(|k| power(frequency(k))).collect();
+    let peak = (1..TRIED).filter(|&k| powers[k] >= powers[k - 1] && powers[k] > powers[k + 1]);
+    let peak = peak.max_by(|&a, &b| powers[a].total_cmp(&powers[b]));
+    let k = peak.ok_or_else(|| format!("no peak of the spectrum within 15 % of {expected} Hz"))?;
+    let curvature = powers[k - 1] - 2.0 * powers[k] + powers[k + 1];
+    Ok(frequency(k) + 0.5 * step * (powers[k - 1] - powers[k + 1]) / curvature)
+}
+
 /// Square root of the mean value.
 pub(super) fn root_mean(points: &[(f64, f64)]) -> Result<f64, String> {
     match mean(points)? {

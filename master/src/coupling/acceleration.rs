@@ -1,6 +1,6 @@
 //! Accelerators of the fixed-point iteration Q -> Q~.
 
-use super::IqnIls;
+use super::{IqnIls, Newton};
 use scene::Method;
 
 /// How the next guess follows from the last one and what it led to.
@@ -15,23 +15,27 @@ pub enum Accelerator {
     Aitken(Aitken),
     /// Quasi-Newton with least squares.
     IqnIls(IqnIls),
+    /// Newton with the Jacobian from directional derivatives.
+    Newton(Newton),
 }
 
 impl Accelerator {
-    /// The accelerator of a method; none for the explicit one. `relaxation` is the (first) factor and
+    /// The accelerator of a method; none for the explicit one. `Auto` counts as `IqnIls`: who knows the participants
+    /// has resolved it before. `relaxation` is the (first) factor and
     /// `reused_steps` the number of past steps whose columns the quasi-Newton method keeps.
     pub fn new(method: Method, relaxation: f64, reused_steps: usize) -> Option<Self> {
         match method {
             Method::Explicit => None,
             Method::Constant => Some(Self::Constant { relaxation }),
             Method::Aitken => Some(Self::Aitken(Aitken::new(relaxation))),
-            Method::IqnIls => Some(Self::IqnIls(IqnIls::new(relaxation, reused_steps))),
+            Method::IqnIls | Method::Auto => Some(Self::IqnIls(IqnIls::new(relaxation, reused_steps))),
+            Method::Newton => Some(Self::Newton(Newton::default())),
         }
     }
 
     /// Whether the method should converge fast or not at all.
     pub fn is_quasi_newton(&self) -> bool {
-        matches!(self, Self::IqnIls(_))
+        matches!(self, Self::IqnIls(_) | Self::Newton(_))
     }
 
     /// Forgets what belongs to the last step alone.
@@ -40,6 +44,7 @@ impl Accelerator {
             Self::Constant { .. } => {}
             Self::Aitken(aitken) => aitken.start_step(),
             Self::IqnIls(quasi_newton) => quasi_newton.start_step(),
+            Self::Newton(newton) => newton.start_step(),
         }
     }
 
@@ -49,6 +54,7 @@ impl Accelerator {
             Self::Constant { relaxation } => relaxed(used, produced, *relaxation),
             Self::Aitken(aitken) => aitken.next(used, produced),
             Self::IqnIls(quasi_newton) => quasi_newton.next(used, produced),
+            Self::Newton(newton) => newton.next(used, produced),
         }
     }
 

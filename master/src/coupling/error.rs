@@ -51,6 +51,14 @@ pub enum Error {
         /// What it said.
         reason: String,
     },
+    /// An error with its likely cause.
+    #[error("{error}; {cause}")]
+    Explained {
+        /// What happened.
+        error: Box<Error>,
+        /// Why.
+        cause: String,
+    },
     /// A connection that cannot be made.
     #[error("connection {from} -> {to}: {reason}")]
     Connection {

@@ -1,6 +1,7 @@
 //! The implicit step: guess, pass, compare, accelerate; halve the step when that does not converge.
 
-use super::{Accelerator, Clock, Error, Pass, Predictor, Residual, Stall, System, Tolerance};
+use super::{Accelerator, Clock, Error, IqnIls, Pass, Predictor, Residual, Stall, System, Tolerance};
+use scene::Method;
 
 /// How steps are coupled. Validated by [`scene::Coupling`].
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +60,14 @@ pub struct Stepper {
     names: Vec<String>,
     tolerances: Vec<Tolerance>,
     maximum_iterations: usize,
+    method: Method,
+    /// What `iqn_ils` needs in case that it has to take over.
+    relaxation: f64,
+    reused_steps: usize,
+    /// Things that a user should know, each said once.
+    warnings: Vec<String>,
+    /// Largest factor by which an explicit exchange multiplies errors from step to step, where it is known.
+    amplification: f64,
 }
 
 impl Stepper {
@@ -66,7 +75,8 @@ impl Stepper {
     pub fn new(parameters: &Parameters, system: &System) -> Result<Self, Error> {
         let coupling = &parameters.coupling;
         let names = system.iterated_names();
-        let mut accelerator = Accelerator::new(coupling.method, coupling.relaxation, coupling.reused_steps);
+        let method = resolve(coupling.method, system)?;
+        let mut accelerator = Accelerator::new(method, coupling.relaxation, coupling.reused_steps);
         if names.is_empty() {
             accelerator = None;
         }
@@ -91,7 +101,22 @@ impl Stepper {
             tolerances: names.iter().map(tolerance).collect(),
             names,
             maximum_iterations: coupling.maximum_iterations.max(1),
+            method,
+            relaxation: coupling.relaxation,
+            reused_steps: coupling.reused_steps,
+            warnings: Vec::new(),
+            amplification: 0.0,
         })
+    }
+
+    /// The method in use.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// What a user should know and was not told yet.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
     }
 
     /// Where the run stands.
@@ -117,7 +142,9 @@ impl Stepper {
                 }
                 Err(failure) => failure,
             };
-            let Some(accelerator) = &mut self.accelerator else { return Err(failure.at(time, duration)) };
+            let Some(accelerator) = &mut self.accelerator else {
+                return Err(failure.at(time, duration).explained(self.amplification));
+            };
             accelerator.reject();
             system.restore()?;
             if !self.clock.halve() {
@@ -134,14 +161,27 @@ impl Stepper {
         duration: f64,
         record: &mut dyn FnMut(&IterationRow),
     ) -> Result<Result<usize, Failure>, Error> {
-        let mut guess = self.predictor.predict(time, duration);
+        let guess = self.predictor.predict(time, duration);
         let Some(accelerator) = &mut self.accelerator else {
-            let pass = Failure::check(system.pass(time, duration, &guess)?);
+            let pass = system.pass(time, duration, &guess).map_err(|error| error.explained(self.amplification))?;
             self.predictor.accept(time, duration, &system.produced());
-            return Ok(pass.map(|()| 1));
+            self.watch_amplification(system, time)?;
+            return Ok(Failure::check(pass).map(|()| 1));
         };
         system.save()?;
         accelerator.start_step();
+        self.iterate(system, time, duration, guess, record)
+    }
+
+    /// Passes until the iterated quantities agree, from the saved state.
+    fn iterate(
+        &mut self,
+        system: &mut System,
+        time: f64,
+        duration: f64,
+        mut guess: Vec<f64>,
+        record: &mut dyn FnMut(&IterationRow),
+    ) -> Result<Result<usize, Failure>, Error> {
         let mut iteration = 1;
         let mut stall = Stall::default();
         loop {
@@ -154,10 +194,14 @@ impl Stepper {
             let row = IterationRow { time, duration, iteration, converged, residuals };
             record(&row);
             if converged {
-                accelerator.accept(&guess, &produced);
+                if let Some(accelerator) = &mut self.accelerator {
+                    accelerator.accept(&guess, &produced);
+                }
                 self.predictor.accept(time, duration, &produced);
                 return Ok(Ok(iteration));
             }
+            self.supply_jacobian(system, time, &guess, &produced)?;
+            let Some(accelerator) = &mut self.accelerator else { return Ok(Ok(iteration)) };
             let stalled = accelerator.is_quasi_newton() && stall.update(iteration, &row.residuals);
             if stalled || iteration >= self.maximum_iterations {
                 return Ok(Err(Failure::NotConverged { iterations: iteration, residuals: row.residuals }));
@@ -166,6 +210,79 @@ impl Stepper {
             system.restore()?;
             iteration += 1;
         }
+    }
+}
+
+impl Stepper {
+    /// Gives Newton's method the Jacobian of the pass that was just made. A Jacobian that foretells wrongly is not used:
+    /// `iqn_ils` takes over.
+    fn supply_jacobian(&mut self, system: &mut System, time: f64, used: &[f64], produced: &[f64]) -> Result<(), Error> {
+        let Some(Accelerator::Newton(newton)) = &mut self.accelerator else { return Ok(()) };
+        if let Some(missed) = newton.missed(used, produced) {
+            self.warnings.push(format!(
+                "at t = {time} s the directional derivatives missed {:.0} % of the first change of the exchanged \
+                 quantities, expected at most 20 %; iqn_ils takes over from newton",
+                100.0 * missed
+            ));
+            self.method = Method::IqnIls;
+            self.accelerator = Some(Accelerator::IqnIls(IqnIls::new(self.relaxation, self.reused_steps)));
+        } else if newton.needs_jacobian() {
+            newton.set_jacobian(system.jacobian()?);
+        }
+        Ok(())
+    }
+
+    /// An explicit exchange multiplies errors by the eigenvalues of dQ~/dQ in every step.
+    fn watch_amplification(&mut self, system: &mut System, time: f64) -> Result<(), Error> {
+        if self.names.is_empty() || !gives_derivatives(system) {
+            return Ok(());
+        }
+        let eigenvalues = system.jacobian()?.complex_eigenvalues();
+        let radius = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        if radius > 1.0 && self.amplification <= 1.0 {
+            self.warnings.push(format!("at t = {time} s {}", amplified(radius)));
+        }
+        self.amplification = self.amplification.max(radius);
+        Ok(())
+    }
+}
+
+/// What an amplification above 1 means.
+fn amplified(radius: f64) -> String {
+    format!(
+        "the explicit exchange multiplies errors by up to {radius:.3} per step, expected at most 1: the load answers to \
+         the acceleration more strongly than the structure's own mass; use coupling.method 'newton' or 'iqn_ils', or \
+         coupling.added_mass = true"
+    )
+}
+
+impl Error {
+    /// The same error with its likely cause.
+    fn explained(self, amplification: f64) -> Self {
+        if amplification > 1.0 {
+            Self::Explained { cause: amplified(amplification), error: Box::new(self) }
+        } else {
+            self
+        }
+    }
+}
+
+fn gives_derivatives(system: &System) -> bool {
+    system.descriptions().all(|(_, description)| description.derivatives)
+}
+
+/// `newton` where all participants give derivatives and `iqn_ils` elsewhere stand for `auto`.
+fn resolve(method: Method, system: &System) -> Result<Method, Error> {
+    let without = system.descriptions().find(|(_, description)| !description.derivatives);
+    match (method, without) {
+        (Method::Auto, None) => Ok(Method::Newton),
+        (Method::Auto, Some(_)) => Ok(Method::IqnIls),
+        (Method::Newton, Some((name, _))) => Err(Error::Participant(crate::participant::Error::Unsupported {
+            participant: name.to_string(),
+            capability: "giving directional derivatives".to_string(),
+            hint: "; use the coupling method 'iqn_ils'".to_string(),
+        })),
+        (method, _) => Ok(method),
     }
 }
 

@@ -30,19 +30,19 @@ pub enum Pass {
     },
 }
 
-enum Source {
+pub(super) enum Source {
     /// An output of an earlier participant in this pass: node and place among its connected outputs.
     Fresh(usize, usize),
     /// An iterated quantity.
     Iterated(usize),
 }
 
-struct Node {
-    participant: Box<dyn Participant>,
-    inputs: Vec<u32>,
-    sources: Vec<Source>,
+pub(super) struct Node {
+    pub(super) participant: Box<dyn Participant>,
+    pub(super) inputs: Vec<u32>,
+    pub(super) sources: Vec<Source>,
     staged: Vec<f64>,
-    outputs: Vec<u32>,
+    pub(super) outputs: Vec<u32>,
     names: Vec<String>,
     values: Vec<f64>,
     /// Wall-clock time spent in steps [s].
@@ -51,9 +51,9 @@ struct Node {
 
 /// Participants in the order in which they step, with their connections.
 pub struct System {
-    nodes: Vec<Node>,
+    pub(super) nodes: Vec<Node>,
     /// Node and place among its connected outputs, for every iterated quantity.
-    iterated: Vec<(usize, usize)>,
+    pub(super) iterated: Vec<(usize, usize)>,
 }
 
 impl System {

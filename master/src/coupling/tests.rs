@@ -153,6 +153,7 @@ fn connect(participants: Vec<Box<dyn Participant>>) -> System {
 
 fn parameters(method: Method, relaxation: f64) -> Parameters {
     let coupling = Coupling {
+        added_mass: false,
         method,
         relaxation,
         tolerance_relative: 1e-8,

@@ -1,6 +1,7 @@
 //! The fluid's table of variables.
 
 use super::{FluidComponent, GAUGES, PROBES, REGIONS};
+use crate::interface::COORDINATES;
 use crate::parameters::{output_rows, scene_rows};
 use crate::{ACCELERATION, LOAD, POSITION, interface, quantities};
 use fluid::Observables;
@@ -21,6 +22,11 @@ pub(super) fn model(modes: usize) -> Model<FluidComponent> {
     let (loads, motions): (Vec<_>, Vec<_>) = meeting.into_iter().partition(|(family, _)| *family == LOAD);
     variables.extend(motions.into_iter().map(|(family, variable)| motion_input(family, variable)));
     variables.extend(loads.into_iter().map(|(_, variable)| variable));
+    let answers =
+        interface::answer_variables(modes, FluidComponent::load_acceleration, |this: &FluidComponent, index| {
+            this.added_mass(index / COORDINATES, index % COORDINATES)
+        });
+    variables.extend(answers.into_iter().flatten());
     variables.extend(places());
     variables.extend(figures());
     variables.extend(shape());
@@ -34,8 +40,15 @@ pub(super) fn model(modes: usize) -> Model<FluidComponent> {
         types: quantities::types(),
         variables,
         experiment: DefaultExperiment { stop: 1.0, step: 0.000_25 },
-        directional_derivatives: false,
+        directional_derivatives: true,
         annotations: vec![
+            (
+                "directionalDerivative",
+                "fmi2GetDirectionalDerivative gives the sensitivity of the last step: the derivative of the mean load \
+                 over the last fmi2DoStep by the motion at its end, which is minus added_mass over the length of the \
+                 step for motion.v* and zero for positions and accelerations. Made for Newton iterations between \
+                 communication points.",
+            ),
             (
                 "motion",
                 "motion.* is the motion of the body at the end of the step that follows; unconnected it holds the body at \

@@ -20,6 +20,16 @@ pub(super) fn model(modes: usize) -> Model<StructureComponent> {
     let meeting = interface::variables(modes, getters);
     let (loads, motions): (Vec<_>, Vec<_>) = meeting.into_iter().partition(|(family, _)| *family == LOAD);
     variables.extend(loads.into_iter().map(|(_, variable)| variable.input(set_load)));
+    let [accelerations, masses] = interface::answer_variables(
+        modes,
+        |this: &StructureComponent, index| this.state.load_acceleration[index],
+        |this: &StructureComponent, index| this.state.added_mass[index],
+    );
+    let set_acceleration =
+        |this: &mut StructureComponent, index: usize, value: f64| this.state.load_acceleration[index] = value;
+    let set_mass = |this: &mut StructureComponent, index: usize, value: f64| this.state.added_mass[index] = value;
+    variables.extend(accelerations.into_iter().map(|variable| variable.input(set_acceleration)));
+    variables.extend(masses.into_iter().map(|variable| variable.input(set_mass)));
     variables.extend(motions.into_iter().map(|(_, variable)| variable));
     variables.extend(outputs());
     Model {
@@ -41,6 +51,12 @@ pub(super) fn model(modes: usize) -> Model<StructureComponent> {
             (
                 "load",
                 "load.* is the mean over the communication step that follows (impulse divided by step), held during it.",
+            ),
+            (
+                "added_mass",
+                "With added_mass[i,j] and load.a* connected the structure steps under the load \
+                 load.* - added_mass (a - load.a*), a its own mean acceleration over the step: an exchange without \
+                 iteration is then stable whatever the added mass. Unconnected they are zero and change nothing.",
             ),
         ],
     }

@@ -135,13 +135,11 @@ impl Cells {
                     continue;
                 }
                 out[begin..].sort_by(|a, b| a.from.total_cmp(&b.from));
-                let near = walls.of(i).first().or(walls.of(j).first());
-                let (panel, fraction) = near.map_or((FIXED, 0.0), |wall| (wall.panel, wall.fraction));
                 let mut from = facet.from;
                 for (to, next) in out[begin..].iter().map(|part| (part.from, part.to)).chain([(facet.to, facet.to)]) {
                     if to - from > SLACK * setup.spacing {
                         let rest = Facet { from, to, ..*facet };
-                        out_walls.push(WallFacet { facet: rest, panel, fraction, filler: true });
+                        out_walls.push(WallFacet { facet: rest, panel: FIXED, fraction: 0.0, filler: true });
                     }
                     from = next;
                 }

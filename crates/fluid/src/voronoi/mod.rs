@@ -1,5 +1,6 @@
 //! The scheme `accurate`: Voronoi cells of the particles as weights.
 
+pub mod added_mass;
 pub mod cell;
 pub mod cells;
 pub mod enclosed;

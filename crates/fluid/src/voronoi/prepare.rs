@@ -1,5 +1,6 @@
 //! What an internal step needs that depends on the state alone.
 
+use super::added_mass::Responses;
 use super::cells::{Cells, Setup, WallFacet};
 use super::operators;
 use crate::matrix::Matrix;
@@ -41,6 +42,10 @@ pub struct Prepared {
     pub matrix: Matrix,
     /// Preconditioner.
     pub multigrid: Multigrid,
+    /// Facets on moving walls, and what the water answers to their acceleration.
+    pub responses: Responses,
+    /// Pressure with the body accelerating as at the end of the last step \[Pa\].
+    pub base: Vec<f64>,
 }
 
 impl Prepared {
@@ -70,6 +75,9 @@ impl Prepared {
             walls: &self.walls,
             spacing: setting.spacing,
         });
+        if let Some(body) = &setting.geometry.body {
+            self.responses.collect(&self.cells, &setting.layout, body, &state.motion.position);
+        }
         watch.lap(&mut stages.neighbours);
         self.predict(setting, state, pace.time_step);
         self.smooth(accurate, state, pace.time_step);

@@ -7,9 +7,12 @@ use crate::parallel;
 use crate::parameters::AccurateParameters;
 use crate::prepare::Setting;
 use crate::state::State;
-use crate::walls::FIXED;
-use kinematics::{Body, MaterialPoint};
 use nalgebra::Vector2;
+
+/// Smallest and largest area of a cell over its particle's own whose mass counts as that of the cell. A splinter between
+/// two walls that close on it would be thrown out at any speed.
+const SMALLEST: f64 = 0.5;
+const LARGEST: f64 = 2.0;
 
 /// u = u* - dt grad p / rho, r = r + dt u.
 pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_step: f64) {
@@ -24,7 +27,8 @@ pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_s
             let facet = &wall.facet;
             sum += facet.middle() * (facet.length() * prepared.wall_slope(setting, i, wall));
         }
-        let area = if cell.is_open() { volumes[i] } else { cell.area };
+        let volume = volumes[i];
+        let area = if cell.is_open() { volume } else { cell.area.clamp(SMALLEST * volume, LARGEST * volume) };
         prepared.velocities[i] - sum * (time_step / (density * area))
     });
     let velocities = &state.velocities;
@@ -35,17 +39,14 @@ pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_s
 
 /// Adds the load of the pressure on the moving panels to `load`, times `share`, by virtual work. The pressure on a
 /// facet is the one that stopped the water there, so that the water loses what the wall gains.
-pub fn add_body_load(state: &mut State, prepared: &Prepared, setting: &Setting, body: &Body, share: f64) {
-    let State { load, pressures, motion, .. } = state;
-    for (i, pressure) in pressures.iter().enumerate() {
-        for wall in prepared.cells.walls.of(i).iter().filter(|wall| wall.panel != FIXED && !wall.filler) {
-            let facet = &wall.facet;
-            let on_wall = pressure + prepared.wall_slope(setting, i, wall) * facet.height;
-            let [start, end] = setting.layout.panels[wall.panel as usize];
-            if let Some(point) = MaterialPoint::between(start, end, wall.fraction) {
-                let force = facet.normal * (on_wall * facet.length() * share);
-                body.add_force(point, &motion.position, force, load);
-            }
+pub fn add_body_load(state: &mut State, prepared: &Prepared, setting: &Setting, share: f64) {
+    for (facet, work) in prepared.responses.facets_with_work() {
+        let i = facet.particle as usize;
+        let slope = prepared.wall_slope(setting, i, &facet.wall);
+        let pressure = state.pressures[i] + slope * facet.wall.facet.height;
+        let force = pressure * facet.wall.facet.length() * share;
+        for (load, work) in state.load.iter_mut().zip(work) {
+            *load += force * work;
         }
     }
 }

@@ -26,6 +26,7 @@ pub fn cabin(count: usize, frequency: f64, gravity: f64) -> Parameters {
         angle: 0.3,
         beam: Some(beam(Support::FixedFixed, count, frequency)),
         free: [true; 3],
+        springs: [0.0; 3],
         integrator: AVERAGE,
         tolerance: 1e-12,
         maximum_iterations: 20,
@@ -40,6 +41,7 @@ pub fn clamped(support: Support, count: usize, frequency: f64) -> Parameters {
         angle: 0.0,
         beam: Some(beam(support, count, frequency)),
         free: [false; 3],
+        springs: [0.0; 3],
         ..cabin(0, 1.0, 0.0)
     }
 }

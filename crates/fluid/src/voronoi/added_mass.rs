@@ -1,0 +1,152 @@
+//! How pressure and load answer to accelerations of the body.
+//!
+//! While the cells stand still the pressure is affine in the generalised acceleration a: p = p_0 + sum_k P_k a_k with
+//! A P_k = b_k, and the load is Q = Q_0 - M a with the added mass M. With g_k the work of a unit normal force on a wall
+//! facet of length L at the distance h from its particle,
+//!
+//!   b_k = -rho sum L g_k,      Q_k = sum (p + rho (f - a_w).n h) L g_k,      M_lk = sum rho L h g_l g_k - sum L g_l P_k.
+//!
+//! M is symmetric, positive semi-definite, and exact for the discrete water: the load that it foretells is the one that the
+//! next solve gives.
+
+use super::cells::{Cells, WallFacet};
+use crate::matrix::Matrix;
+use crate::multigrid::Multigrid;
+use crate::parallel;
+use crate::parameters::SolveParameters;
+use crate::pressure::ConjugateGradient;
+use crate::walls::{FIXED, WallLayout};
+use kinematics::Body;
+use nalgebra::{DMatrix, DVector};
+
+/// Relative residual of the unit responses. The error of the added mass is its square.
+const TOLERANCE: f64 = 1e-4;
+
+/// A facet on a moving wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingFacet {
+    /// Particle whose cell it bounds.
+    pub particle: u32,
+    /// The facet.
+    pub wall: WallFacet,
+}
+
+/// The facets on moving walls with their work, and what the water answers to unit accelerations.
+#[derive(Debug, Clone, Default)]
+pub struct Responses {
+    /// Facets in the order of particles.
+    pub facets: Vec<MovingFacet>,
+    /// Work of a unit normal force on each facet by each coordinate \[m, m2, modal\]: facet after facet.
+    work: Vec<f64>,
+    /// Number of coordinates.
+    size: usize,
+    /// Coordinates that answer to the load.
+    active: Vec<usize>,
+    right_sides: Vec<Vec<f64>>,
+    /// Pressure for a unit acceleration of each active coordinate \[Pa s2/m, Pa s2, modal\].
+    pressures: Vec<Vec<f64>>,
+    /// Added mass of all coordinates, row after row; zero where one of the two is not active.
+    pub added_mass: Vec<f64>,
+    /// Iterations of the solver that the unit responses took.
+    pub iterations: usize,
+}
+
+impl Responses {
+    /// Collects the facets on moving walls, with the body at `coordinates`.
+    pub fn collect(&mut self, cells: &Cells, layout: &WallLayout, body: &Body, coordinates: &DVector<f64>) {
+        self.size = coordinates.len();
+        self.facets.clear();
+        self.work.clear();
+        for i in 0..cells.cells.len() {
+            for wall in cells.walls.of(i).iter().filter(|wall| wall.panel != FIXED && !wall.filler) {
+                self.facets.push(MovingFacet { particle: i as u32, wall: *wall });
+                // The panel moves as the straight line between its ends, and so a force on it works on both.
+                let begin = self.work.len();
+                self.work.resize(begin + self.size, 0.0);
+                let ends = layout.panels[wall.panel as usize];
+                for (end, share) in ends.into_iter().zip([1.0 - wall.fraction, wall.fraction]) {
+                    body.add_force(end, coordinates, wall.facet.normal * share, &mut self.work[begin..]);
+                }
+            }
+        }
+    }
+
+    /// Facets with the work of a unit normal force on them by every coordinate.
+    pub fn facets_with_work(&self) -> impl Iterator<Item = (&MovingFacet, &[f64])> {
+        self.facets.iter().zip(self.work.chunks_exact(self.size.max(1)))
+    }
+
+    /// Solves for the unit responses of the `active` coordinates.
+    pub fn solve(
+        &mut self,
+        active: &[usize],
+        density: f64,
+        matrix: &Matrix,
+        multigrid: &mut Multigrid,
+        solver: &mut ConjugateGradient,
+        parameters: &SolveParameters,
+    ) {
+        let count = matrix.size();
+        self.active.clear();
+        self.active.extend_from_slice(active);
+        self.iterations = 0;
+        self.right_sides.resize_with(active.len(), Vec::new);
+        self.pressures.resize_with(active.len(), Vec::new);
+        let parameters = SolveParameters { tolerance: TOLERANCE.max(parameters.tolerance), ..parameters.clone() };
+        for (k, &coordinate) in active.iter().enumerate() {
+            let mut right_side = std::mem::take(&mut self.right_sides[k]);
+            right_side.clear();
+            right_side.resize(count, 0.0);
+            for (facet, work) in self.facets_with_work() {
+                right_side[facet.particle as usize] -= density * facet.wall.facet.length() * work[coordinate];
+            }
+            let pressure = &mut self.pressures[k];
+            pressure.clear();
+            pressure.resize(count, 0.0);
+            self.iterations += solver.solve(matrix, multigrid, &right_side, pressure, &parameters).iterations;
+            self.right_sides[k] = right_side;
+        }
+        self.find_added_mass(density, matrix);
+    }
+
+    /// M from the unit responses, corrected by their residuals: its error is the square of theirs.
+    fn find_added_mass(&mut self, density: f64, matrix: &Matrix) {
+        let count = matrix.size();
+        let mut partial = Vec::new();
+        let mut answer = DMatrix::<f64>::zeros(self.active.len(), self.active.len());
+        for k in 0..self.active.len() {
+            let (right, pressure) = (&self.right_sides[k], &self.pressures[k]);
+            for l in 0..self.active.len() {
+                let (right_of_l, pressure_of_l) = (&self.right_sides[l], &self.pressures[l]);
+                answer[(l, k)] = parallel::sum(count, &mut partial, |i| {
+                    let residual = right[i] - matrix.row_product(i, pressure);
+                    right_of_l[i] * pressure[i] + pressure_of_l[i] * residual
+                });
+            }
+        }
+        self.added_mass.clear();
+        self.added_mass.resize(self.size * self.size, 0.0);
+        let mut near = DMatrix::<f64>::zeros(self.active.len(), self.active.len());
+        for (facet, work) in self.facets_with_work() {
+            let weight = density * facet.wall.facet.length() * facet.wall.facet.height;
+            for (k, &column) in self.active.iter().enumerate() {
+                for (l, &row) in self.active.iter().enumerate() {
+                    near[(l, k)] += weight * work[row] * work[column];
+                }
+            }
+        }
+        for (k, &column) in self.active.iter().enumerate() {
+            for (l, &row) in self.active.iter().enumerate() {
+                let symmetric = 0.5 * (answer[(l, k)] + answer[(k, l)]) / density;
+                self.added_mass[row * self.size + column] = near[(l, k)] + symmetric;
+            }
+        }
+    }
+
+    /// Adds the pressure that the accelerations `change` of all coordinates cause.
+    pub fn add(&self, change: &DVector<f64>, pressures: &mut [f64]) {
+        let terms: Vec<(f64, &[f64])> =
+            self.active.iter().zip(&self.pressures).map(|(&k, unit)| (change[k], unit.as_slice())).collect();
+        parallel::update(pressures, |i, old| old + terms.iter().map(|(factor, unit)| factor * unit[i]).sum::<f64>());
+    }
+}
