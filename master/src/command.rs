@@ -50,6 +50,20 @@ enum Command {
         #[arg(long, default_value_t = components::DEFAULT_MODES)]
         modes: usize,
     },
+    /// Make a System Structure Package (SSP 1.0) of a coupled scene for other masters.
+    ///
+    /// Holds both FMUs with the scene, all connections of an exchange without iteration (added mass included, unless
+    /// coupling.added_mass = false), and the scene as the parameter set of each.
+    Ssp {
+        /// Name of a scene with fluid and structure, or path of its file.
+        scene: String,
+        /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
+        #[arg(long, value_name = "KEY.PATH=VALUE")]
+        set: Vec<String>,
+        /// The package [default: NAME.ssp].
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
     /// Read a scene or a case, check it, and list its numbers; nothing runs.
     Check {
         /// Name of a scene, or path of a scene or case file.
@@ -92,6 +106,7 @@ pub fn main() -> ExitCode {
         None => run(&RunArguments::of(DEFAULT_SCENE)),
         Some(Command::Run(arguments)) => run(&arguments),
         Some(Command::Pack { out, modes }) => pack_fmus(&out, modes),
+        Some(Command::Ssp { scene, set, out }) => export_package(&scene, &set, out),
         Some(Command::Check { target, set }) => check(&target, &set),
         Some(Command::ListScenes) => list_scenes(),
         Some(Command::Bench(Bench::Accuracy(arguments))) => accuracy(&arguments),
@@ -220,6 +235,28 @@ fn pack_fmus(out: &Path, modes: usize) -> Result<ExitCode, Failure> {
         let state = if packed.written { "written" } else { "unchanged" };
         println!("{} ({} kB, {state})", packed.path.display(), packed.size / 1000);
     }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn export_package(target: &str, set: &[String], out: Option<PathBuf>) -> Result<ExitCode, Failure> {
+    let changes = overrides(set)?;
+    let path = locate(target)?;
+    let mut scene = Scene::from_file_with(&path, &changes)?;
+    if scene.fluid.is_none() || scene.structure.is_none() {
+        return Err(format!("{} has no fluid or no structure: there is nothing to couple", path.display()).into());
+    }
+    // Masters that import packages do not iterate.
+    scene.coupling.method = scene::Method::Explicit;
+    let name = scene_case::scene_name(&path);
+    let places = Places { scene: path.clone(), fmus: PathBuf::new(), frames: PathBuf::new() };
+    let case = scene_case::case(&scene, &changes, None, &places);
+    let text = scene::read_text(&path)?;
+    let overrides: Vec<String> = changes.iter().map(|(key, value)| format!("{key}={value}")).collect();
+    let system =
+        pack::ssp::System { name: &name, scene: &scene, text: &text, overrides: &overrides.join("; "), case: &case };
+    let out = out.unwrap_or_else(|| PathBuf::from(format!("{name}.ssp")));
+    let size = pack::ssp::write_package(&out, &system)?;
+    println!("{} ({} kB)", out.display(), size / 1000);
     Ok(ExitCode::SUCCESS)
 }
 

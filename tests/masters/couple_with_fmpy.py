@@ -34,6 +34,8 @@ COMMON = {
     "fluid.spacing": 0.008,
     "fluid.threads": 1,
     "fluid.water.0.polygon": "[[0.1, 0.0], [0.246, 0.0], [0.246, 0.15], [0.1, 0.15]]",
+    # The plain explicit exchange; third_party.py runs the one with added mass.
+    "coupling.added_mass": "false",
     "coupling.relaxation": RELAXATION,
     "coupling.tolerance_relative": RELATIVE,
     "coupling.tolerance_absolute": ABSOLUTE,

@@ -18,7 +18,7 @@ pub use error::Error;
 pub use fluid_component::{FluidComponent, GAUGES, PROBES, REGIONS};
 pub use interface::{ACCELERATION, LOAD, POSITION, VELOCITY};
 pub use kinematics::MAXIMUM_MODES;
-pub use scenes::find_scene;
+pub use scenes::{OWN_SCENE, find_scene};
 pub use structure_component::StructureComponent;
 
 /// Modes with which the committed descriptions are packed.

@@ -51,8 +51,9 @@ pub fn scene_rows<C: HasSceneParameters>() -> [Variable<C>; 2] {
         Variable::text_parameter(
             1,
             "scene",
-            "name of a packed scene, or the path of a scene file",
-            "dam_break_plate",
+            "name of a packed scene, or the path of a scene file; empty takes the one that the FMU was packed for, or else \
+             dam_break_plate",
+            "",
             |this: &C, _| this.common().scene.clone(),
             |this, _, text| this.common_mut().scene = text.to_string(),
         ),

@@ -4,7 +4,13 @@ use crate::Error;
 use scene::Scene;
 use std::path::{Path, PathBuf};
 
-/// Reads the scene called `name`: a path to a scene file, or the name of a scene packed in `resources/scenes`.
+/// Scene that an FMU was packed for, in its resources.
+pub const OWN_SCENE: &str = "scene.toml";
+/// Packed scene of an FMU that was packed for none.
+const DEFAULT_SCENE: &str = "dam_break_plate";
+
+/// Reads the scene called `name`: a path to a scene file, or the name of a scene packed in `resources/scenes`. An empty
+/// name stands for the scene that the FMU was packed for, or else for dam_break_plate.
 /// `overrides` is a text of the form `key.path=value; key.path=value`.
 pub fn find_scene(name: &str, overrides: &str, resources: Option<&Path>) -> Result<Scene, Error> {
     let overrides = scene::parse_overrides(overrides)?;
@@ -14,9 +20,11 @@ pub fn find_scene(name: &str, overrides: &str, resources: Option<&Path>) -> Resu
 
 fn locate(name: &str, resources: Option<&Path>) -> Result<PathBuf, Error> {
     let not_found = |reason: String| Error::SceneNotFound { name: name.to_string(), reason };
-    if name.trim().is_empty() {
-        return Err(not_found("the parameter `scene` is empty, expected a name or a path".to_string()));
+    let own = resources.map(|resources| resources.join(OWN_SCENE)).filter(|path| path.is_file());
+    if let (true, Some(own)) = (name.trim().is_empty(), own) {
+        return Ok(own);
     }
+    let name = if name.trim().is_empty() { DEFAULT_SCENE } else { name };
     let path = Path::new(name);
     if path.is_file() {
         return Ok(path.to_path_buf());

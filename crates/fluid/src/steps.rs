@@ -113,18 +113,16 @@ impl Solver {
         workspace.solution.clone_from(&state.pressures);
         if !setting.geometry.active.is_empty() {
             if fresh {
-                self.prepare_responses(state, pace, workspace, report)?;
+                self.prepare_responses(state, workspace, report)?;
             }
             let Workspace { accurate: prepared, surplus, solution, target, .. } = &mut *workspace;
-            surplus.clone_from(&target.velocity);
-            *surplus -= &state.motion.velocity;
-            *surplus /= pace.time_step;
+            mean_acceleration(target, &state.motion, pace.time_step, surplus);
             *surplus -= &state.motion.acceleration;
             solution.clone_from(&prepared.base);
             prepared.responses.add(surplus, solution);
         }
-        let Workspace { accurate: prepared, frozen_end, target, .. } = &mut *workspace;
-        self.set_wall_acceleration(&mut prepared.panels, &state.motion.position, target, frozen_end, pace.time_step);
+        let accelerations = &mut workspace.accurate.accelerations;
+        mean_acceleration(&workspace.target, &state.motion, pace.time_step, accelerations);
         self.solve_for_walls(state.time, workspace, report)?;
         state.pressures.copy_from_slice(&workspace.solution);
         watch.lap(&mut report.stages.solve);
@@ -133,23 +131,14 @@ impl Solver {
 
     /// Unit responses, and the pressure with the body accelerating as at the end of the last step: both depend on the
     /// state alone. `workspace.solution` holds the first guess.
-    fn prepare_responses(
-        &self,
-        state: &State,
-        pace: Pace,
-        workspace: &mut Workspace,
-        report: &mut Report,
-    ) -> Result<(), Error> {
+    fn prepare_responses(&self, state: &State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
         let parameters = &self.setting.parameters;
-        let Workspace { accurate: prepared, solve, frozen_end, .. } = &mut *workspace;
+        let Workspace { accurate: prepared, solve, .. } = &mut *workspace;
         let voronoi::prepare::Prepared { matrix, multigrid, responses, .. } = prepared;
         let active = &self.setting.geometry.active;
         responses.solve(active, parameters.density, matrix, multigrid, solve, &parameters.solve);
         report.iterations += responses.iterations;
-        let mut expected = state.motion.clone();
-        expected.velocity += &state.motion.acceleration * pace.time_step;
-        let panels = &mut prepared.panels;
-        self.set_wall_acceleration(panels, &state.motion.position, &expected, frozen_end, pace.time_step);
+        prepared.accelerations.clone_from(&state.motion.acceleration);
         self.solve_for_walls(state.time, workspace, report)?;
         workspace.accurate.base.clone_from(&workspace.solution);
         Ok(())
@@ -302,4 +291,11 @@ impl Solver {
         state.steps += 1;
         Ok(())
     }
+}
+
+/// Mean accelerations of the coordinates from `start` to `end`.
+fn mean_acceleration(end: &Motion, start: &Motion, duration: f64, out: &mut DVector<f64>) {
+    out.clone_from(&end.velocity);
+    *out -= &start.velocity;
+    *out /= duration;
 }

@@ -266,6 +266,9 @@ fn validate_structure(check: &Checker, structure: &Structure) -> Result<(), Erro
     if structure.free.contains(&Freedom::Theta) {
         check.positive("structure.inertia", structure.inertia)?;
     }
+    for (k, &spring) in structure.springs.iter().enumerate() {
+        check.within(&format!("structure.springs[{k}]"), spring, 0.0, 1e15)?;
+    }
     if let Some(rho) = structure.integrator.rho_infinity {
         check.within("structure.integrator.rho_infinity", rho, 0.0, 1.0)?;
     }

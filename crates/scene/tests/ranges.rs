@@ -35,6 +35,7 @@ angle = 0.1
 free = ["x", "theta"]
 mass = 1.0
 inertia = 1.0
+springs = [1.0, 2.0, 3.0]
 wall = [{ points = [[-0.1, 0.0], [0.1, 0.0]] }]
 constant_load = [1.0, 0.0]
 [structure.integrator]
@@ -108,6 +109,9 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("fluid.solve.tolerance", &["-1e-9", "0.11"], &["0", "0.1"]),
     ("fluid.solve.maximum_iterations", &["-1", "0", "1000001"], &["1", "1000000"]),
     ("fluid.probe.1.count", &["-1", "0", "1001", "9000000000000000000"], &["1", "1000"]),
+    ("structure.springs.0", &["-1", "1.1e15"], &["0", "1e15"]),
+    ("structure.springs.1", &["-1"], &["0"]),
+    ("structure.springs.2", &["-1"], &["0"]),
     ("structure.angle", &["-10.1", "10.1"], &["-10", "10"]),
     ("structure.mass", &["-1", "0"], &["1e-3"]),
     ("structure.inertia", &["-1", "0"], &["1e-3"]),

@@ -3,6 +3,7 @@
 
 mod documentation;
 mod places;
+pub mod ssp;
 
 use components::{FluidComponent, StructureComponent};
 use fmi2::{Component, Model, describe};
@@ -77,16 +78,40 @@ pub fn modes_range() -> std::ops::RangeInclusive<usize> {
 /// Packs both FMUs with this number of modes into `folder`, where their content differs from what is there.
 pub fn pack(folder: &Path, modes: usize) -> Result<Vec<Packed>, Error> {
     std::fs::create_dir_all(folder).map_err(|error| Error::file(folder, error))?;
-    let scenes = scene_files(&scenes_folder()?)?;
+    archives(modes, Vec::new())?.iter().map(|(name, bytes)| write(&folder.join(name), bytes)).collect()
+}
+
+/// Names and contents of both FMUs. `own` resources are packed besides the program's scenes, or in place of those with
+/// the same name.
+fn archives(modes: usize, own: Vec<(String, Vec<u8>)>) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let packed = scene_files(&scenes_folder()?)?;
+    let mut scenes: Vec<_> = packed.into_iter().map(|(name, content)| (format!("scenes/{name}"), content)).collect();
+    scenes.retain(|(name, _)| own.iter().all(|(other, _)| other != name));
+    scenes.extend(own);
     let fluid = FluidComponent::model(modes);
     let structure = StructureComponent::model(modes);
-    Ok(vec![
-        write(&folder.join("fluid.fmu"), &archive(&fluid, "fluid_fmu", documentation::FLUID, &scenes)?)?,
-        write(
-            &folder.join("structure.fmu"),
-            &archive(&structure, "structure_fmu", documentation::STRUCTURE, &scenes)?,
-        )?,
-    ])
+    let packed = [
+        ("fluid.fmu", archive(&fluid, "fluid_fmu", documentation::FLUID, &scenes)?),
+        ("structure.fmu", archive(&structure, "structure_fmu", documentation::STRUCTURE, &scenes)?),
+    ];
+    Ok(packed.map(|(name, bytes)| (name.to_string(), bytes)).into())
+}
+
+/// Name and kind (`input` or `output`) of the real variables that can be connected of an FMU of this program.
+fn reals(name: &str, modes: usize) -> Vec<(String, &'static str)> {
+    fn list<C>(model: &Model<C>) -> Vec<(String, &'static str)> {
+        let real = |variable: &&fmi2::Variable<C>| matches!(variable.access, fmi2::Access::Real { .. });
+        let connectable = model.variables.iter().filter(real).filter_map(|variable| match variable.causality {
+            fmi2::Causality::Input => Some((variable.name.clone(), "input")),
+            fmi2::Causality::Output => Some((variable.name.clone(), "output")),
+            fmi2::Causality::Parameter => None,
+        });
+        connectable.collect()
+    }
+    match name {
+        crate::scene_case::FLUID => list(&FluidComponent::model(modes)),
+        _ => list(&StructureComponent::model(modes)),
+    }
 }
 
 /// The bytes of an FMU: description, binary, scenes, documentation and licences.
@@ -109,7 +134,7 @@ fn archive<C: Component>(
     entries.extend(
         LICENCES.iter().map(|(name, text)| (format!("documentation/licenses/{name}"), text.as_bytes().to_vec())),
     );
-    entries.extend(scenes.iter().map(|(name, content)| (format!("resources/scenes/{name}"), content.clone())));
+    entries.extend(scenes.iter().map(|(name, content)| (format!("resources/{name}"), content.clone())));
     zipped(entries).map_err(|error| Error::file(Path::new(model.identifier), error))
 }
 

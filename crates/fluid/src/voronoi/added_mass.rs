@@ -16,7 +16,7 @@ use crate::parallel;
 use crate::parameters::SolveParameters;
 use crate::pressure::ConjugateGradient;
 use crate::walls::{FIXED, WallLayout};
-use kinematics::Body;
+use kinematics::{Body, MaterialPoint};
 use nalgebra::{DMatrix, DVector};
 
 /// Relative residual of the unit responses. The error of the added mass is its square.
@@ -36,8 +36,11 @@ pub struct MovingFacet {
 pub struct Responses {
     /// Facets in the order of particles.
     pub facets: Vec<MovingFacet>,
-    /// Work of a unit normal force on each facet by each coordinate \[m, m2, modal\]: facet after facet.
+    /// Work of a unit normal force on each facet by each coordinate \[m, m2, modal\]: facet after facet. The same numbers
+    /// give the normal velocity of the wall there.
     work: Vec<f64>,
+    /// First facet of each particle, and the number of facets.
+    starts: Vec<u32>,
     /// Number of coordinates.
     size: usize,
     /// Coordinates that answer to the load.
@@ -57,18 +60,34 @@ impl Responses {
         self.size = coordinates.len();
         self.facets.clear();
         self.work.clear();
+        self.starts.clear();
+        self.starts.push(0);
         for i in 0..cells.cells.len() {
-            for wall in cells.walls.of(i).iter().filter(|wall| wall.panel != FIXED && !wall.filler) {
+            let walls = if cells.is_lone(i) { &[] } else { cells.walls.of(i) };
+            for wall in walls.iter().filter(|wall| wall.panel != FIXED && !wall.filler) {
+                let [start, end] = layout.panels[wall.panel as usize];
+                let Some(point) = MaterialPoint::between(start, end, wall.fraction) else { continue };
                 self.facets.push(MovingFacet { particle: i as u32, wall: *wall });
-                // The panel moves as the straight line between its ends, and so a force on it works on both.
                 let begin = self.work.len();
                 self.work.resize(begin + self.size, 0.0);
-                let ends = layout.panels[wall.panel as usize];
-                for (end, share) in ends.into_iter().zip([1.0 - wall.fraction, wall.fraction]) {
-                    body.add_force(end, coordinates, wall.facet.normal * share, &mut self.work[begin..]);
-                }
+                body.add_force(point, coordinates, wall.facet.normal, &mut self.work[begin..]);
             }
+            self.starts.push(self.facets.len() as u32);
         }
+    }
+
+    /// Facets of particle i on moving walls, with the work on them; none where nothing was collected.
+    pub fn of(&self, i: usize) -> impl Iterator<Item = (&MovingFacet, &[f64])> {
+        let range = match self.starts.get(i..i + 2) {
+            Some(&[begin, end]) => begin as usize..end as usize,
+            _ => 0..0,
+        };
+        range.map(|k| (&self.facets[k], &self.work[k * self.size..(k + 1) * self.size]))
+    }
+
+    /// Normal component, into the solid, of the wall's velocity or acceleration at a facet.
+    pub fn normal_rate(work: &[f64], rates: &DVector<f64>) -> f64 {
+        work.iter().zip(rates.iter()).map(|(work, rate)| work * rate).sum()
     }
 
     /// Facets with the work of a unit normal force on them by every coordinate.

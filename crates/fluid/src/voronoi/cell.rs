@@ -6,6 +6,7 @@
 //! in delta, A = C + H delta + Phi delta^2 / 2, and delta is what makes it the particle's own area: the position of
 //! the free surface follows from the volume.
 
+use super::notch::MOST;
 use super::polygon::{BOX, Corner, Plane, WALL};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
@@ -23,6 +24,8 @@ const TOUCHING: f64 = 1.6;
 const SHARPEST: f64 = 1.9;
 /// Ratio of |S| to the length of the surface at and below which the surface counts as round.
 const ROUND: f64 = 0.8;
+/// Walls have the labels above this many below the box.
+const MOST_WALLS: u32 = MOST as u32;
 /// Least and largest distance of the free surface from a particle, in spacings.
 const DEPTHS: [f64; 2] = [0.15, 0.8];
 
@@ -126,6 +129,11 @@ pub fn turn(vector: &Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-vector.y, vector.x)
 }
 
+/// Angle from one unit vector to another, counter-clockwise, from -pi to pi.
+fn turn_of(from: &Vector2<f64>, to: &Vector2<f64>) -> f64 {
+    from.perp(to).atan2(from.dot(to))
+}
+
 /// What a turn of the free surface by `angle` adds to its length, over delta: straight sides meet in a point up to
 /// `SHARPEST`; beyond, the surface goes round.
 fn corner_bend(angle: f64) -> f64 {
@@ -214,10 +222,25 @@ impl Shape<'_> {
         sum > ROOMY * cells
     }
 
+    /// Whether edge k is a wall that the particle stands behind: the far side of a solid's corner.
+    fn is_hidden(&self, k: usize) -> bool {
+        let label = self.corners[k].label;
+        label > BOX - MOST_WALLS && label != BOX && (self.planes)(label).distance <= 0.0
+    }
+
+    /// Whether the water ends before corner k. It does not reach round the corner of a solid along a wall whose other end
+    /// lies in empty space.
+    fn is_beyond(&self, k: usize) -> bool {
+        let count = self.corners.len();
+        let (before, after) = ((k + count - 1) % count, (k + 1) % count);
+        let round = |edge: usize, end: usize| self.is_hidden(edge) && self.is_empty(end);
+        self.is_empty(k) || round(k, after) || round(before, before)
+    }
+
     fn bound(&self, k: usize) -> Bound {
         let (a, b) = (self.corners[k].place, self.place(k + 1));
         let label = self.corners[k].label;
-        match (self.is_empty(k), self.is_empty((k + 1) % self.corners.len())) {
+        match (self.is_beyond(k), self.is_beyond((k + 1) % self.corners.len())) {
             _ if label == BOX => Bound::Nothing,
             (false, false) => Bound::Whole,
             (false, true) => Bound::Exit,
@@ -226,7 +249,8 @@ impl Shape<'_> {
                 let plane = (self.planes)(label);
                 let along = turn(&plane.normal);
                 let reaches = along.dot(&a) < 0.0 && along.dot(&b) > 0.0;
-                if reaches && 2.0 * plane.distance < TOUCHING * self.spacing { Bound::Chord } else { Bound::Nothing }
+                let touches = plane.distance > 0.0 && 2.0 * plane.distance < TOUCHING * self.spacing;
+                if reaches && touches { Bound::Chord } else { Bound::Nothing }
             }
         }
     }
@@ -244,14 +268,42 @@ impl Shape<'_> {
         Cell { area, centroid, depth, surface, ..Cell::default() }
     }
 
+    /// Whether the edges between entry and exit of a cell with one free surface turn clockwise all in all: those of a
+    /// solid's corner, round which the free surface makes more than a full turn.
+    fn turns_backwards(&self) -> bool {
+        let (mut gaps, mut turned) = (0, 0.0);
+        let (mut first, mut last): (Option<Vector2<f64>>, Option<Vector2<f64>>) = (None, None);
+        for k in 0..self.corners.len() {
+            let bound = self.bound(k);
+            if bound == Bound::Nothing {
+                continue;
+            }
+            let normal = (self.planes)(self.corners[k].label).normal;
+            if matches!(bound, Bound::Entry | Bound::Chord) {
+                gaps += 1;
+            } else {
+                match last {
+                    Some(before) => turned += turn_of(&before, &normal),
+                    None => first = Some(normal),
+                }
+            }
+            last = Some(normal);
+        }
+        if let (Some(last), Some(first)) = (last, first) {
+            turned += turn_of(&last, &first);
+        }
+        gaps == 1 && turned < -1e-9
+    }
+
     /// C, H and Phi of the area C + H delta + Phi delta^2 / 2 that the cell has with its free surface at delta.
     fn area_of_depth(&self) -> (f64, f64, f64) {
         let (mut constant, mut linear, mut bend) = (0.0, 0.0, 0.0);
         let mut last_exit: Option<Vector2<f64>> = None;
         let mut first_entry: Option<Vector2<f64>> = None;
+        let backwards = self.turns_backwards();
         let mut turn_between = |from: &Vector2<f64>, to: &Vector2<f64>| {
-            let angle = from.perp(to).atan2(from.dot(to));
-            let angle = if angle <= 1e-9 { angle + 2.0 * PI } else { angle };
+            let angle = turn_of(from, to);
+            let angle = if angle <= 1e-9 || backwards { angle + 2.0 * PI } else { angle };
             bend += corner_bend(angle - PI);
         };
         for k in 0..self.corners.len() {
@@ -293,7 +345,12 @@ impl Shape<'_> {
                 continue;
             }
             let mut facet = self.facet(k, bound);
+            let (from, to) = (facet.from, facet.to);
             facet.end_at(depth);
+            if facet.neighbour > BOX - MOST_WALLS {
+                // A wall may end before the free surface meets its line.
+                (facet.from, facet.to) = (facet.from.max(from), facet.to.min(to));
+            }
             let (foot, along) = (facet.normal * facet.height, turn(&facet.normal));
             if matches!(bound, Bound::Entry | Bound::Chord) {
                 outline.walk(along * -depth);

@@ -82,6 +82,11 @@ impl Cells {
         BOX * spacing
     }
 
+    /// Whether a particle touches no other: it flies freely, and walls stop it as they stop a point.
+    pub fn is_lone(&self, i: usize) -> bool {
+        self.facets.of(i).is_empty()
+    }
+
     /// Facets of cell i to particles, then those on walls.
     pub fn facets_and_walls(&self, i: usize) -> impl Iterator<Item = &Facet> {
         self.facets.of(i).iter().chain(self.walls.of(i).iter().map(|wall| &wall.facet))

@@ -1,18 +1,17 @@
 //! What an internal step needs that depends on the state alone.
 
-use super::added_mass::Responses;
-use super::cells::{Cells, Setup, WallFacet};
+use super::added_mass::{MovingFacet, Responses};
+use super::cells::{Cells, Setup};
 use super::operators;
 use crate::matrix::Matrix;
 use crate::multigrid::Multigrid;
-use crate::panel_motion::PanelMotion;
 use crate::parallel::{self, Lists};
 use crate::parameters::AccurateParameters;
 use crate::prepare::{Pace, Setting};
 use crate::report::{StageTimes, Watch};
 use crate::state::State;
-use crate::walls::{Attachment, Walls};
-use nalgebra::{Matrix2, Vector2};
+use crate::walls::{Attachment, FIXED, Walls};
+use nalgebra::{DVector, Matrix2, Vector2};
 
 /// Everything prepared for one internal step.
 #[derive(Debug, Clone, Default)]
@@ -23,8 +22,10 @@ pub struct Prepared {
     /// Walls at the start of the step.
     pub walls: Walls,
     walls_placed: bool,
-    /// Wall velocities at the start of the step.
-    pub panels: PanelMotion,
+    /// Rates of the body's coordinates at the start of the step.
+    pub rates: DVector<f64>,
+    /// Mean accelerations of the body's coordinates over the step.
+    pub accelerations: DVector<f64>,
     /// Walls near each particle.
     pub attachments: Lists<Attachment>,
     /// Cells at the start of the step.
@@ -91,9 +92,7 @@ impl Prepared {
 
     fn place_walls(&mut self, setting: &Setting, state: &State) {
         let body = setting.geometry.body.as_ref();
-        if let Some(body) = body {
-            self.panels.set_start(&setting.layout.panels, body, &state.motion);
-        }
+        self.rates.clone_from(&state.motion.velocity);
         if body.is_some() || !self.walls_placed {
             let at = body.map(|body| (body, &state.motion.position));
             self.walls.place(&setting.layout, at, 2.0 * Cells::reach(setting.spacing), setting.spacing);
@@ -150,9 +149,12 @@ impl Prepared {
         let share = accurate.alpha * (time_step / pace.stable_step).min(1.0);
         let density = setting.parameters.density;
         let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
-        let (forces, panels) = (&self.forces, &self.panels);
+        let (forces, rates, responses) = (&self.forces, &self.rates, &self.responses);
         self.source.resize(state.positions.len(), 0.0);
         parallel::fill(&mut self.source, |i| {
+            if cells.is_lone(i) {
+                return 0.0;
+            }
             let cell = &cells.cells[i];
             let volume = state.volumes[i];
             let excess = (cell.area - volume).clamp(-LARGEST_EXCESS * volume, LARGEST_EXCESS * volume);
@@ -166,33 +168,49 @@ impl Prepared {
             }
             rate += share * excess / time_step;
             let mut value = -density * rate / time_step;
-            for wall in cells.walls.of(i) {
-                let facet = &wall.facet;
-                if wall.filler {
-                    value += density * facet.length() * forces[i].dot(&facet.normal);
-                    continue;
-                }
-                let velocity = panels.velocity(wall.panel, wall.fraction);
-                let closing = (velocity + forces[i] * time_step - velocities[i]).dot(&facet.normal) / time_step;
-                value += density * facet.length() * (forces[i].dot(&facet.normal) - closing);
+            // What the wall must do beyond the body force: fillers move with the water, fixed walls stop it.
+            for wall in cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
+                let normal = wall.facet.normal * (density * wall.facet.length());
+                value += if wall.filler { forces[i].dot(&normal) } else { velocities[i].dot(&normal) / time_step };
+            }
+            for (moving, work) in responses.of(i) {
+                let facet = &moving.wall.facet;
+                let closing = velocities[i].dot(&facet.normal) - Responses::normal_rate(work, rates);
+                value += density * facet.length() * closing / time_step;
             }
             value
         });
     }
 
-    /// Normal pressure gradient on a wall facet of particle i \[Pa/m\], with the wall's mean acceleration over the step.
-    pub fn wall_slope(&self, setting: &Setting, i: usize, wall: &WallFacet) -> f64 {
-        let acceleration = self.panels.acceleration(wall.panel, wall.fraction);
-        setting.parameters.density * (self.forces[i] - acceleration).dot(&wall.facet.normal)
+    /// Sum over the wall facets of cell i of their pressure slope times length and arm: what walls add to G p \[N/m\].
+    pub fn wall_difference(&self, setting: &Setting, i: usize) -> Vector2<f64> {
+        if self.cells.is_lone(i) {
+            return Vector2::zeros();
+        }
+        let force = self.forces[i] * setting.parameters.density;
+        let fixed = self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED);
+        let fixed = fixed.map(|wall| wall.facet.middle() * (wall.facet.length() * force.dot(&wall.facet.normal)));
+        let moving = self.responses.of(i).map(|(moving, work)| {
+            let facet = &moving.wall.facet;
+            facet.middle() * (facet.length() * self.wall_slope(setting, moving, work))
+        });
+        fixed.sum::<Vector2<f64>>() + moving.sum::<Vector2<f64>>()
+    }
+
+    /// Normal pressure gradient on a moving facet \[Pa/m\], with the wall's mean acceleration over the step.
+    pub fn wall_slope(&self, setting: &Setting, moving: &MovingFacet, work: &[f64]) -> f64 {
+        let acceleration = Responses::normal_rate(work, &self.accelerations);
+        let force = self.forces[moving.particle as usize].dot(&moving.wall.facet.normal);
+        setting.parameters.density * (force - acceleration)
     }
 
     /// The part of the right side that the accelerations of walls add for particle i \[Pa\].
     pub fn wall_source(&self, setting: &Setting, i: usize) -> f64 {
-        let of = |wall: &WallFacet| {
-            let acceleration = self.panels.acceleration(wall.panel, wall.fraction);
-            -setting.parameters.density * wall.facet.length() * acceleration.dot(&wall.facet.normal)
+        let of = |(moving, work): (&MovingFacet, &[f64])| {
+            let acceleration = Responses::normal_rate(work, &self.accelerations);
+            -setting.parameters.density * moving.wall.facet.length() * acceleration
         };
-        self.cells.walls.of(i).iter().map(of).sum()
+        self.responses.of(i).map(of).sum()
     }
 }
 

@@ -22,11 +22,7 @@ pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_s
     let volumes = &state.volumes;
     parallel::fill(&mut state.velocities, |i| {
         let cell = &cells.cells[i];
-        let mut sum = operators::pressure_difference(cells, i, pressures);
-        for wall in cells.walls.of(i) {
-            let facet = &wall.facet;
-            sum += facet.middle() * (facet.length() * prepared.wall_slope(setting, i, wall));
-        }
+        let sum = operators::pressure_difference(cells, i, pressures) + prepared.wall_difference(setting, i);
         let volume = volumes[i];
         let area = if cell.is_open() { volume } else { cell.area.clamp(SMALLEST * volume, LARGEST * volume) };
         prepared.velocities[i] - sum * (time_step / (density * area))
@@ -42,7 +38,7 @@ pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_s
 pub fn add_body_load(state: &mut State, prepared: &Prepared, setting: &Setting, share: f64) {
     for (facet, work) in prepared.responses.facets_with_work() {
         let i = facet.particle as usize;
-        let slope = prepared.wall_slope(setting, i, &facet.wall);
+        let slope = prepared.wall_slope(setting, facet, work);
         let pressure = state.pressures[i] + slope * facet.wall.facet.height;
         let force = pressure * facet.wall.facet.length() * share;
         for (load, work) in state.load.iter_mut().zip(work) {
