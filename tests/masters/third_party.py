@@ -74,9 +74,9 @@ def with_libcosim(package, folder):
     return times, places
 
 
-def with_container(package, folder):
+def make_container(package, folder):
+    """One FMU of both, with the height of the piston as its output `y`."""
     from fmpy.ssp.ssd import read_ssd
-    from fmpy import simulate_fmu
 
     connections = read_ssd(str(package)).system.connections
     resources = folder / "resources"
@@ -92,14 +92,22 @@ def with_container(package, folder):
         "link": [
             [f"{c.startElement}.fmu", c.startConnector, f"{c.endElement}.fmu", c.endConnector] for c in connections
         ],
-        "start": [[f"{name}.fmu", "scene", "piston"] for name in ("structure", "fluid")],
         "output": [["structure.fmu", "motion.y", "y"]],
     }
     (resources / "plan.json").write_text(json.dumps(plan))
-    command = [str(Path(sys.executable).parent / "fmucontainer"), "-fmu-directory", str(resources), "-container", "plan.json"]
+    tool = Path(sys.executable).parent / "fmucontainer"
+    command = [str(tool), "-fmu-directory", str(resources), "-container", "plan.json"]
     made = subprocess.run(command, capture_output=True, text=True)
-    assert (resources / "container.fmu").is_file(), made.stdout + made.stderr
-    result = simulate_fmu(str(resources / "container.fmu"), stop_time=END, step_size=STEP, output_interval=STEP, output=["y"])
+    container = resources / "container.fmu"
+    assert container.is_file(), made.stdout + made.stderr
+    return container
+
+
+def with_container(package, folder):
+    from fmpy import simulate_fmu
+
+    container = make_container(package, folder)
+    result = simulate_fmu(str(container), stop_time=END, step_size=STEP, output_interval=STEP, output=["y"])
     return result["time"], result["y"]
 
 

@@ -383,7 +383,7 @@ impl Default for Coupling {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// `newton` if every participant gives directional derivatives, else `iqn_ils`.
+    /// `newton` if every participant gives directional derivatives, `explicit` if one saves no states, else `iqn_ils`.
     Auto,
     /// One pass per step.
     #[serde(alias = "none")]

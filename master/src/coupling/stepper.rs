@@ -94,6 +94,14 @@ impl Stepper {
             own.map_or(coupling.tolerance_absolute, |(_, tolerance)| *tolerance)
         };
         let tolerance = |name| Tolerance { relative: coupling.tolerance_relative, absolute: absolute(name) };
+        let mut warnings = Vec::new();
+        let stateless = system.descriptions().find(|(_, description)| !description.saves_states);
+        if let (Method::Auto, Some((name, _)), false) = (coupling.method, stateless, names.is_empty()) {
+            warnings.push(format!(
+                "{name} saves no states, so steps cannot be repeated: the exchange is explicit and stable only while the \
+                 participants answer to each other weakly"
+            ));
+        }
         Ok(Self {
             clock: Clock::new(parameters.start, parameters.end, parameters.step, smallest),
             predictor: Predictor::new(coupling.predictor_order, system.produced()),
@@ -104,7 +112,7 @@ impl Stepper {
             method,
             relaxation: coupling.relaxation,
             reused_steps: coupling.reused_steps,
-            warnings: Vec::new(),
+            warnings,
             amplification: 0.0,
         })
     }
@@ -271,10 +279,13 @@ fn gives_derivatives(system: &System) -> bool {
     system.descriptions().all(|(_, description)| description.derivatives)
 }
 
-/// `newton` where all participants give derivatives and `iqn_ils` elsewhere stand for `auto`.
+/// `auto` stands for `newton` where all participants give derivatives, for `explicit` where one saves no states, and else
+/// for `iqn_ils`.
 fn resolve(method: Method, system: &System) -> Result<Method, Error> {
+    let stateless = system.descriptions().any(|(_, description)| !description.saves_states);
     let without = system.descriptions().find(|(_, description)| !description.derivatives);
     match (method, without) {
+        (Method::Auto, _) if stateless => Ok(Method::Explicit),
         (Method::Auto, None) => Ok(Method::Newton),
         (Method::Auto, Some(_)) => Ok(Method::IqnIls),
         (Method::Newton, Some((name, _))) => Err(Error::Participant(crate::participant::Error::Unsupported {

@@ -72,7 +72,8 @@ impl System {
         let (source, target) = (self.find(connection, &from.0)?, self.find(connection, &to.0)?);
         let output = self.variable(source, connection, &from.1, Causality::Output)?;
         let input = self.variable(target, connection, &to.1, Causality::Input)?;
-        if output.unit != input.unit {
+        // A participant that says no unit is taken at its word.
+        if output.unit != input.unit && !output.unit.is_empty() && !input.unit.is_empty() {
             let reason = format!("the units differ: '{}' and '{}'", output.unit, input.unit);
             return Err(refusal(connection, reason));
         }
