@@ -3,7 +3,7 @@
 
 use crate::case::{Case, Connection, Fmu};
 use components::{GAUGES, MAXIMUM_MODES, PROBES, REGIONS};
-use scene::{Freedom, Method, Scene, Scheme};
+use scene::{Coupling, Freedom, Method, Scene, Scheme};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -49,7 +49,7 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
         output: scene.output.clone(),
         fmu: fmus,
         connection,
-        coupling: scene.coupling.clone(),
+        coupling: coupling(scene),
         step_limit,
         exclude: excluded(scene, &freedoms),
         labels: labels(scene),
@@ -108,6 +108,16 @@ fn freedoms(scene: &Scene) -> Vec<Ending> {
 fn variables(freedom: &Ending) -> (Vec<String>, String) {
     let motion = ["", "v", "a"].map(|order| format!("motion.{order}{}", freedom.motion));
     (motion.to_vec(), format!("load.{}", freedom.load))
+}
+
+/// How the scene is coupled: the scheme `paper` gives no derivatives.
+fn coupling(scene: &Scene) -> Coupling {
+    let mut coupling = scene.coupling.clone();
+    let paper = scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == Scheme::Paper);
+    if coupling.method == Method::Auto && paper {
+        coupling.method = Method::IqnIls;
+    }
+    coupling
 }
 
 /// Whether the structure takes the fluid's added mass into its equations. Iterations do not need it, and the scheme
