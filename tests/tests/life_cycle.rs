@@ -120,7 +120,6 @@ fn bad_scenes_are_refused_with_numbers() {
     for (scene, overrides, words) in [
         ("no_such_scene", "", &["no_such_scene", "hydrostatic", "dam_break_plate"][..]),
         ("/no/such/file.toml", "", &["/no/such/file.toml"]),
-        ("", "", &["empty"]),
         ("free_decay", "", &["[fluid]"]),
         ("hydrostatic", "fluid.spacing=-1", &["fluid.spacing", "-1"]),
         ("hydrostatic", "fluid.spacin=1", &["did you mean `spacing`"]),
