@@ -50,6 +50,8 @@ pub struct Workspace {
     pub(crate) candidate: Option<State>,
     pub(crate) solve: ConjugateGradient,
     pub(crate) target: Motion,
+    /// The body when the particles stand where a step has brought them.
+    pub(crate) after: Motion,
     /// Frozen coordinates with the velocities at the end of the step.
     pub(crate) frozen_end: Motion,
     pub(crate) end_walls: Walls,
@@ -155,6 +157,7 @@ impl Solver {
             candidate: None,
             solve: ConjugateGradient::default(),
             target: Motion::at_rest(modes),
+            after: Motion::at_rest(modes),
             frozen_end: Motion::at_rest(modes),
             end_walls: Walls::default(),
             end_panels: PanelMotion::default(),

@@ -4,6 +4,7 @@ use crate::Error;
 use crate::check;
 use crate::load::{self, PressureField};
 use crate::matrix::NO_ROW;
+use crate::motion::foretell;
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
 use crate::parameters::{AccurateParameters, Scheme};
@@ -54,6 +55,7 @@ impl Solver {
         particles::shift(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
         particles::collide(state, &workspace.prepared, setting, &mut workspace.vectors);
         particles::separate(state, &workspace.prepared, setting, &mut workspace.vectors);
+        workspace.after.clone_from(&workspace.target);
         report.contacts += self.keep_in_front(state, workspace);
         watch.lap(&mut report.stages.gradient);
         self.add_load(state, pace.share, workspace);
@@ -87,6 +89,7 @@ impl Solver {
         workspace.before.clone_from(&state.positions);
         voronoi::step::correct(state, &workspace.accurate, setting, pace.time_step);
         voronoi::step::shift(state, &workspace.accurate, setting, accurate, pace.time_step, &mut workspace.vectors);
+        foretell(&workspace.target, 0.5 * pace.time_step, &mut workspace.after);
         report.contacts += self.keep_in_front(state, workspace);
         watch.lap(&mut report.stages.gradient);
         voronoi::step::record(state, &workspace.accurate, setting.kernel.reference_density);
@@ -236,7 +239,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Keeps particles in front of the walls where these stand at the end of the step.
+    /// Keeps particles in front of the walls where these stand after the step.
     fn keep_in_front(&self, state: &mut State, workspace: &mut Workspace) -> usize {
         let setting = &self.setting;
         let spacing = setting.spacing;
@@ -255,9 +258,9 @@ impl Solver {
         let Some(body) = &setting.geometry.body else {
             return particles::stop_at_walls(state, attachments, walls, &contact, |_, _| Vector2::zeros());
         };
-        let at = Some((body, &workspace.target.position));
+        let at = Some((body, &workspace.after.position));
         workspace.end_walls.place(&setting.layout, at, setting.kernel.radius, spacing);
-        workspace.end_panels.set_start(&setting.layout.panels, body, &workspace.target);
+        workspace.end_panels.set_start(&setting.layout.panels, body, &workspace.after);
         let panels = &workspace.end_panels;
         particles::stop_at_walls(state, attachments, &workspace.end_walls, &contact, |panel, fraction| {
             panels.velocity(panel, fraction)

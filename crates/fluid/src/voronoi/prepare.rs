@@ -4,6 +4,7 @@ use super::added_mass::{MovingFacet, Responses};
 use super::cells::{Cells, Setup};
 use super::operators;
 use crate::matrix::Matrix;
+use crate::motion::foretell;
 use crate::multigrid::Multigrid;
 use crate::parallel::{self, Lists};
 use crate::parameters::AccurateParameters;
@@ -11,15 +12,21 @@ use crate::prepare::{Pace, Setting};
 use crate::report::{StageTimes, Watch};
 use crate::state::State;
 use crate::walls::{Attachment, FIXED, Walls};
+use kinematics::Motion;
 use nalgebra::{DVector, Matrix2, Vector2};
 
 /// Everything prepared for one internal step.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Prepared {
     key: Option<(u64, u64)>,
     /// Time at the start of the step \[s\].
     pub time: f64,
-    /// Walls at the start of the step.
+    /// Foretold coordinates of the body in the middle of the step, where its walls stand during it. Positions of particles
+    /// belong to the middle of a step as well, velocities to its ends: the load on the walls is then that of the middle
+    /// of the step over which it is held. A load of the start would feed every oscillation of frequency w with a negative
+    /// damping of w^2 dt / 4.
+    pub middle: Motion,
+    /// Walls at those coordinates.
     pub walls: Walls,
     walls_placed: bool,
     /// Rates of the body's coordinates at the start of the step.
@@ -49,6 +56,31 @@ pub struct Prepared {
     pub base: Vec<f64>,
 }
 
+impl Default for Prepared {
+    fn default() -> Self {
+        Self {
+            key: None,
+            time: 0.0,
+            middle: Motion::at_rest(0),
+            walls: Walls::default(),
+            walls_placed: false,
+            rates: DVector::zeros(0),
+            accelerations: DVector::zeros(0),
+            attachments: Lists::default(),
+            cells: Cells::default(),
+            forces: Vec::new(),
+            velocities: Vec::new(),
+            smoothed: Vec::new(),
+            gradients: Vec::new(),
+            source: Vec::new(),
+            matrix: Matrix::default(),
+            multigrid: Multigrid::default(),
+            responses: Responses::default(),
+            base: Vec::new(),
+        }
+    }
+}
+
 impl Prepared {
     /// Prepares the step from `state`; returns false when the workspace held it already.
     pub fn update(
@@ -66,6 +98,7 @@ impl Prepared {
         }
         self.key = None;
         self.time = state.time;
+        foretell(&state.motion, 0.5 * pace.time_step, &mut self.middle);
         self.place_walls(setting, state);
         let walls = &self.walls;
         self.attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
@@ -77,7 +110,7 @@ impl Prepared {
             spacing: setting.spacing,
         });
         if let Some(body) = &setting.geometry.body {
-            self.responses.collect(&self.cells, &setting.layout, body, &state.motion.position);
+            self.responses.collect(&self.cells, &setting.layout, body, &self.middle.position);
         }
         watch.lap(&mut stages.neighbours);
         self.predict(setting, state, pace.time_step);
@@ -94,7 +127,7 @@ impl Prepared {
         let body = setting.geometry.body.as_ref();
         self.rates.clone_from(&state.motion.velocity);
         if body.is_some() || !self.walls_placed {
-            let at = body.map(|body| (body, &state.motion.position));
+            let at = body.map(|body| (body, &self.middle.position));
             self.walls.place(&setting.layout, at, 2.0 * Cells::reach(setting.spacing), setting.spacing);
             self.walls_placed = true;
         }
