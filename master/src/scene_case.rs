@@ -117,6 +117,10 @@ fn coupling(scene: &Scene) -> Coupling {
     if coupling.method == Method::Auto && paper {
         coupling.method = Method::IqnIls;
     }
+    // With an extrapolated load a plain explicit exchange is stable up to a third of the mass ratio only.
+    if coupling.method == Method::Explicit && !passes_added_mass(scene) {
+        coupling.predictor_order = 0;
+    }
     coupling
 }
 
