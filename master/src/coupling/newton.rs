@@ -6,6 +6,9 @@ use nalgebra::{DMatrix, DVector};
 /// Share of a change of the produced quantities that a Jacobian may miss when it is first checked.
 const MISSED: f64 = 0.2;
 
+/// Share of the largest quantity below which others may be noise of a solver.
+const NOISE: f64 = 1e-6;
+
 /// Q + (I - J)^-1 (Q~ - Q) with J = dQ~/dQ (interface-Jacobian co-simulation, Sicklinger et al. 2014).
 ///
 /// Derivatives of foreign participants may be wrong or mean something else (FMI 2.0 leaves open what a derivative at a
@@ -60,8 +63,10 @@ impl Newton {
             |new: &[f64], old: &[f64]| DVector::from_iterator(new.len(), new.iter().zip(old).map(|(a, b)| a - b));
         let actual = difference(produced, old_produced);
         let foretold = jacobian * difference(used, old_used);
-        // Every quantity counts in units of its own size: units differ.
-        let scale = |k: usize| produced[k].abs().max(old_produced[k].abs()).max(f64::MIN_POSITIVE);
+        // Every quantity counts in units of its own size, as far as it is more than rounding of the largest.
+        let own = |k: usize| produced[k].abs().max(old_produced[k].abs());
+        let floor = NOISE * (0..produced.len()).map(own).fold(f64::MIN_POSITIVE, f64::max);
+        let scale = |k: usize| own(k).max(floor);
         let size =
             |vector: &DVector<f64>| vector.iter().enumerate().map(|(k, v)| (v / scale(k)).powi(2)).sum::<f64>().sqrt();
         let (change, miss) = (size(&actual).max(size(&foretold)), size(&(&actual - &foretold)));
