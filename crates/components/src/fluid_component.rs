@@ -107,7 +107,7 @@ impl FluidComponent {
             *entry = value;
         }
         state.motion.position.copy_from_slice(&self.state.motion.position[..state.motion.position.len()]);
-        machinery.solver.begin(&mut state, &mut machinery.workspace)?;
+        machinery.solver.begin(&mut state, machinery.workspace.get_mut())?;
         self.observed = OnceCell::new();
         self.state.progress = Some(Progress { scene, start, state, report: StepReport::default() });
         self.machinery = Some(machinery);
@@ -117,7 +117,10 @@ impl FluidComponent {
     /// Figures of the present state; none before initialisation.
     fn observables(&self) -> Option<&Observables> {
         let (machinery, progress) = (self.machinery.as_ref()?, self.state.progress.as_ref()?);
-        Some(self.observed.get_or_init(|| machinery.solver.observe(&progress.state)))
+        Some(
+            self.observed
+                .get_or_init(|| machinery.solver.observe_with(&progress.state, &mut machinery.workspace.borrow_mut())),
+        )
     }
 
     fn load(&self, index: usize) -> f64 {
@@ -194,7 +197,7 @@ impl Component for FluidComponent {
         progress.state.time = time;
         let report = machinery
             .solver
-            .step(&mut progress.state, &end, step, &mut machinery.workspace)
+            .step(&mut progress.state, &end, step, machinery.workspace.get_mut())
             .map_err(|error| Failure::discard(error.to_string()))?;
         progress.state.time = time + step;
         progress.report = StepReport {

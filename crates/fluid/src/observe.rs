@@ -6,6 +6,7 @@ use crate::load::{PressureField, fixed_wall_force};
 use crate::parameters::Scheme;
 use crate::prepare::Setting;
 use crate::state::State;
+use crate::voronoi::cells::Cells;
 use crate::voronoi::outline::Outline;
 use crate::walls::Walls;
 use nalgebra::Vector2;
@@ -47,8 +48,8 @@ pub struct Observables {
     pub lost: usize,
 }
 
-/// Computes the figures of `state`.
-pub fn observe(setting: &Setting, state: &State) -> Observables {
+/// Computes the figures of `state`; `cells` are its cells if they are known.
+pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Observables {
     let density = setting.parameters.density;
     let count = state.positions.len();
     let mut walls = Walls::default();
@@ -68,7 +69,7 @@ pub fn observe(setting: &Setting, state: &State) -> Observables {
     let sum_of = |polygon: &Vec<Vector2<f64>>| {
         (0..count).filter(|&i| contains(polygon, &state.positions[i])).map(|i| density * state.volumes[i]).sum()
     };
-    let outline = Outline::new(setting, state, &walls);
+    let outline = Outline::new(setting, state, &walls, cells);
     let (extent, farthest) = outline.extent();
     let mass = |i: usize| density * state.volumes[i];
     let total: f64 = density * state.volumes.iter().sum::<f64>();

@@ -201,7 +201,17 @@ impl Solver {
 
     /// Figures of a state.
     pub fn observe(&self, state: &State) -> Observables {
-        self.pool.install(|| observe::observe(&self.setting, state))
+        self.pool.install(|| observe::observe(&self.setting, state, None))
+    }
+
+    /// The same figures; what was prepared for them serves the next step.
+    pub fn observe_with(&self, state: &State, workspace: &mut Workspace) -> Observables {
+        self.pool.install(|| match &self.setting.parameters.scheme {
+            Scheme::Paper(_) => observe::observe(&self.setting, state, None),
+            Scheme::Accurate(_) => {
+                observe::observe(&self.setting, state, workspace.accurate.cells_of(&self.setting, state))
+            }
+        })
     }
 
     fn check_inputs(&self, state: &State, end: &Motion, duration: f64) -> Result<(), Error> {

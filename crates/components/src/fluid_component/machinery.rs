@@ -6,6 +6,7 @@ use crate::parameters::SceneParameters;
 use crate::{Error, conversion};
 use fmi2::Failure;
 use scene::Scene;
+use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -13,7 +14,8 @@ use std::time::Instant;
 pub(super) struct Machinery {
     scene: Arc<Scene>,
     pub(super) solver: fluid::Solver,
-    pub(super) workspace: fluid::Workspace,
+    /// In a cell: figures are computed when they are read, and what they need serves the next step.
+    pub(super) workspace: RefCell<fluid::Workspace>,
     series: Option<Series>,
 }
 
@@ -36,7 +38,7 @@ impl Machinery {
         if series.is_some() {
             write_frame(&Path::new(&parameters.output_directory).join("walls.vtu"), outline(&walls))?;
         }
-        Ok(Self { workspace: solver.workspace(), solver, series, scene })
+        Ok(Self { workspace: RefCell::new(solver.workspace()), solver, series, scene })
     }
 
     /// Whether this was made for an equal scene.

@@ -8,17 +8,21 @@ use crate::prepare::Setting;
 use crate::state::State;
 use crate::walls::{FIXED, Walls};
 use nalgebra::Vector2;
+use std::borrow::Cow;
 
 /// The cells of a state, for looking at it.
 pub struct Outline<'a> {
     state: &'a State,
     parameters: &'a Parameters,
-    cells: Cells,
+    cells: Cow<'a, Cells>,
 }
 
 impl<'a> Outline<'a> {
-    /// Builds the cells of `state` between `walls`.
-    pub fn new(setting: &'a Setting, state: &'a State, walls: &Walls) -> Self {
+    /// Takes the cells of `state` as they are, or builds them between `walls`.
+    pub fn new(setting: &'a Setting, state: &'a State, walls: &Walls, known: Option<&'a Cells>) -> Self {
+        if let Some(cells) = known {
+            return Self { state, parameters: &setting.parameters, cells: Cow::Borrowed(cells) };
+        }
         let mut attachments = Lists::default();
         attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
         let mut cells = Cells::default();
@@ -29,7 +33,7 @@ impl<'a> Outline<'a> {
             walls,
             spacing: setting.spacing,
         });
-        Self { state, parameters: &setting.parameters, cells }
+        Self { state, parameters: &setting.parameters, cells: Cow::Owned(cells) }
     }
 
     /// Area of all cells \[m2\].

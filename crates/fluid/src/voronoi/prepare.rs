@@ -19,6 +19,8 @@ use nalgebra::{DVector, Matrix2, Vector2};
 #[derive(Debug, Clone)]
 pub struct Prepared {
     key: Option<(u64, u64)>,
+    /// State whose cells these are; none with a body, where they depend on the time step too.
+    cells_of: Option<u64>,
     /// Time at the start of the step \[s\].
     pub time: f64,
     /// Foretold coordinates of the body in the middle of the step, where its walls stand during it. Positions of particles
@@ -60,6 +62,7 @@ impl Default for Prepared {
     fn default() -> Self {
         Self {
             key: None,
+            cells_of: None,
             time: 0.0,
             middle: Motion::at_rest(0),
             walls: Walls::default(),
@@ -92,23 +95,15 @@ impl Prepared {
         stages: &mut StageTimes,
     ) -> bool {
         let mut watch = Watch::start();
-        let key = Some((state.fingerprint(), pace.time_step.to_bits()));
+        let fingerprint = state.fingerprint();
+        let key = Some((fingerprint, pace.time_step.to_bits()));
         if self.key == key {
             return false;
         }
         self.key = None;
         self.time = state.time;
         foretell(&state.motion, 0.5 * pace.time_step, &mut self.middle);
-        self.place_walls(setting, state);
-        let walls = &self.walls;
-        self.attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
-        self.cells.build(&Setup {
-            positions: &state.positions,
-            volumes: &state.volumes,
-            attachments: &self.attachments,
-            walls: &self.walls,
-            spacing: setting.spacing,
-        });
+        self.build_cells(setting, state, fingerprint);
         if let Some(body) = &setting.geometry.body {
             self.responses.collect(&self.cells, &setting.layout, body, &self.middle.position);
         }
@@ -121,6 +116,41 @@ impl Prepared {
         self.key = key;
         watch.lap(&mut stages.assembly);
         true
+    }
+
+    /// Walls and cells of a state; in a scene without a body they may be there already.
+    fn build_cells(&mut self, setting: &Setting, state: &State, fingerprint: u64) {
+        if self.cells_of == Some(fingerprint) {
+            return;
+        }
+        self.cells_of = None;
+        self.place_walls(setting, state);
+        let walls = &self.walls;
+        self.attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
+        self.cells.build(&Setup {
+            positions: &state.positions,
+            volumes: &state.volumes,
+            attachments: &self.attachments,
+            walls: &self.walls,
+            spacing: setting.spacing,
+        });
+        if setting.geometry.body.is_none() {
+            self.cells_of = Some(fingerprint);
+        }
+    }
+
+    /// The cells of a state for looking at it, which the next step will find done; none in a scene with a body, whose
+    /// walls stand elsewhere during a step.
+    pub fn cells_of(&mut self, setting: &Setting, state: &State) -> Option<&Cells> {
+        if setting.geometry.body.is_some() {
+            return None;
+        }
+        let fingerprint = state.fingerprint();
+        if self.cells_of != Some(fingerprint) {
+            self.key = None;
+        }
+        self.build_cells(setting, state, fingerprint);
+        Some(&self.cells)
     }
 
     fn place_walls(&mut self, setting: &Setting, state: &State) {
