@@ -218,8 +218,13 @@ fn take_out_solids(
     let reach = polygon.squared_reach();
     let near = |segment: &&u32| walls.segments[**segment as usize].squared_distance(&here) < reach;
     let begin = planes.len();
+    let mut walls_near = walls.candidates(&here).iter().filter(near).peekable();
+    if walls_near.peek().is_none() {
+        corners.extend_from_slice(polygon.corners());
+        return;
+    }
     let mut lines = Lines::of(polygon.corners(), spacing);
-    for &index in walls.candidates(&here).iter().filter(near) {
+    for &index in walls_near {
         let wall = &walls.segments[index as usize];
         let label = WALL - (planes.len() - begin) as u32;
         let line = Line { start: wall.start - here, tangent: wall.tangent, length: wall.length, label };
@@ -227,10 +232,6 @@ fn take_out_solids(
             let plane = Plane { normal: wall.normal, distance: wall.local(&here).0 };
             planes.push(WallPlane { plane, segment: index });
         }
-    }
-    if planes.len() == begin {
-        corners.extend_from_slice(polygon.corners());
-        return;
     }
     // A particle behind its wall sees what one just in front of it would.
     let least = LEAST_IN_FRONT * spacing;
