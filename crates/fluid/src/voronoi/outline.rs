@@ -14,6 +14,7 @@ use std::borrow::Cow;
 pub struct Outline<'a> {
     state: &'a State,
     parameters: &'a Parameters,
+    spacing: f64,
     cells: Cow<'a, Cells>,
 }
 
@@ -21,7 +22,8 @@ impl<'a> Outline<'a> {
     /// Takes the cells of `state` as they are, or builds them between `walls`.
     pub fn new(setting: &'a Setting, state: &'a State, walls: &Walls, known: Option<&'a Cells>) -> Self {
         if let Some(cells) = known {
-            return Self { state, parameters: &setting.parameters, cells: Cow::Borrowed(cells) };
+            let cells = Cow::Borrowed(cells);
+            return Self { state, parameters: &setting.parameters, spacing: setting.spacing, cells };
         }
         let mut attachments = Lists::default();
         attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
@@ -33,7 +35,7 @@ impl<'a> Outline<'a> {
             walls,
             spacing: setting.spacing,
         });
-        Self { state, parameters: &setting.parameters, cells: Cow::Owned(cells) }
+        Self { state, parameters: &setting.parameters, spacing: setting.spacing, cells: Cow::Owned(cells) }
     }
 
     /// Area of all cells \[m2\].
@@ -80,12 +82,17 @@ impl<'a> Outline<'a> {
 
     /// Highest place where the free surface crosses the vertical line at `x`; `lowest` where it does not \[m\].
     pub fn level(&self, x: f64, lowest: f64) -> f64 {
-        let mut highest = lowest;
+        // The pieces of surface of two cells may leave a gap: nearest surface points bridge it.
+        let (mut highest, mut bridging) = (lowest, lowest);
         for (i, position) in self.state.positions.iter().enumerate() {
             let Some(middle) = self.surface_point(i) else { continue };
             let facets = self.cells.facets.of(i);
             if facets.len() < 2 || (position.x - x).abs() > 3.0 * self.cells.cells[i].surface {
                 continue;
+            }
+            let outward = &self.cells.cells[i].outward;
+            if (position.x - x).abs() < BRIDGED * self.spacing && outward.y > 0.7 * outward.norm() {
+                bridging = bridging.max(middle.y);
             }
             for facet in self.cells.facets_and_walls(i) {
                 let (foot, along) = (position + facet.normal * facet.height, turn(&facet.normal));
@@ -102,7 +109,7 @@ impl<'a> Outline<'a> {
                 }
             }
         }
-        highest
+        if bridging > highest + self.spacing { bridging } else { highest }
     }
 
     /// Force of the water on the fixed walls \[N/m\].
@@ -119,6 +126,9 @@ impl<'a> Outline<'a> {
         force
     }
 }
+
+/// Distance in spacings of a particle from a gauge up to which its surface point bridges a gap.
+const BRIDGED: f64 = 0.75;
 
 /// Height at which the straight line between two points passes the abscissa `x`.
 fn crossing(a: &Vector2<f64>, b: &Vector2<f64>, x: f64) -> Option<f64> {
