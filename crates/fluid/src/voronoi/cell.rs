@@ -7,7 +7,7 @@
 //! the free surface follows from the volume.
 
 use super::notch::MOST;
-use super::polygon::{BOX, Corner, Plane, WALL};
+use super::polygon::{BOX, Corner, Plane, Ring, WALL};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
@@ -193,7 +193,7 @@ impl Shape<'_> {
 
     /// A closed cell: `add` receives its facets.
     pub fn close(&self, mut add: impl FnMut(Facet)) -> Cell {
-        let mut outline = Outline::default();
+        let mut outline = Ring::default();
         for (k, corner) in self.corners.iter().enumerate() {
             outline.walk(corner.place);
             add(self.facet(k, Bound::Whole));
@@ -338,7 +338,7 @@ impl Shape<'_> {
 
     /// Emits the facets of a cell whose free surface stands at `depth`, and returns its centroid.
     fn finish(&self, depth: f64, mut add: impl FnMut(Facet)) -> Vector2<f64> {
-        let mut outline = Outline::default();
+        let mut outline = Ring::default();
         for k in 0..self.corners.len() {
             let bound = self.bound(k);
             if bound == Bound::Nothing {
@@ -363,35 +363,6 @@ impl Shape<'_> {
             add(facet);
         }
         outline.close().1
-    }
-}
-
-/// Area and moment of a polygon whose corners are walked one by one.
-#[derive(Default)]
-struct Outline {
-    ends: Option<(Vector2<f64>, Vector2<f64>)>,
-    area: f64,
-    moment: Vector2<f64>,
-}
-
-impl Outline {
-    fn walk(&mut self, point: Vector2<f64>) {
-        let Some((first, last)) = self.ends else {
-            self.ends = Some((point, point));
-            return;
-        };
-        let twice = last.perp(&point);
-        self.area += 0.5 * twice;
-        self.moment += (last + point) * (twice / 6.0);
-        self.ends = Some((first, point));
-    }
-
-    /// Area and centroid of the polygon.
-    fn close(mut self) -> (f64, Vector2<f64>) {
-        if let Some((first, _)) = self.ends {
-            self.walk(first);
-        }
-        (self.area, if self.area > 0.0 { self.moment / self.area } else { Vector2::zeros() })
     }
 }
 

@@ -91,6 +91,36 @@ impl Polygon {
     }
 }
 
+/// Area and moment of a polygon whose corners are walked one by one.
+#[derive(Default)]
+pub struct Ring {
+    ends: Option<(Vector2<f64>, Vector2<f64>)>,
+    area: f64,
+    moment: Vector2<f64>,
+}
+
+impl Ring {
+    /// Goes on to the next corner.
+    pub fn walk(&mut self, point: Vector2<f64>) {
+        let Some((first, last)) = self.ends else {
+            self.ends = Some((point, point));
+            return;
+        };
+        let twice = last.perp(&point);
+        self.area += 0.5 * twice;
+        self.moment += (last + point) * (twice / 6.0);
+        self.ends = Some((first, point));
+    }
+
+    /// Area and centroid of the polygon.
+    pub fn close(mut self) -> (f64, Vector2<f64>) {
+        if let Some((first, _)) = self.ends {
+            self.walk(first);
+        }
+        (self.area, if self.area > 0.0 { self.moment / self.area } else { Vector2::zeros() })
+    }
+}
+
 /// Area of a polygon \[m2\].
 pub fn area(corners: &[Corner]) -> f64 {
     let Some(last) = corners.last() else { return 0.0 };
