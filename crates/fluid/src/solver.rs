@@ -142,6 +142,7 @@ impl Solver {
             velocities: self.start.iter().map(|place| self.setting.geometry.start.at(place)).collect(),
             pressures: vec![0.0; count],
             volumes: self.volumes.clone(),
+            responses: Vec::new(),
             number_densities: vec![self.setting.kernel.reference_density; count],
             surface: vec![false; count],
             lost: 0,

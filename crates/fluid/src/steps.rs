@@ -83,6 +83,10 @@ impl Solver {
         let mut watch = Watch::start();
         voronoi::step::add_body_load(state, &workspace.accurate, setting, pace.share);
         let responses = &workspace.accurate.responses;
+        state.responses.resize_with(responses.pressures().len(), Vec::new);
+        for (guess, response) in state.responses.iter_mut().zip(responses.pressures()) {
+            guess.clone_from(response);
+        }
         for (sum, value) in state.added_mass.iter_mut().zip(&responses.added_mass) {
             *sum += value * pace.share;
         }
@@ -139,7 +143,7 @@ impl Solver {
         let Workspace { accurate: prepared, solve, .. } = &mut *workspace;
         let voronoi::prepare::Prepared { matrix, multigrid, responses, .. } = prepared;
         let active = &self.setting.geometry.active;
-        responses.solve(active, parameters.density, matrix, multigrid, solve, &parameters.solve);
+        responses.solve(active, &state.responses, parameters.density, matrix, multigrid, solve, &parameters.solve);
         report.iterations += responses.iterations;
         prepared.accelerations.clone_from(&state.motion.acceleration);
         self.solve_for_walls(state.time, workspace, report)?;

@@ -95,10 +95,11 @@ impl Responses {
         self.facets.iter().zip(self.work.chunks_exact(self.size.max(1)))
     }
 
-    /// Solves for the unit responses of the `active` coordinates.
+    /// Solves for the unit responses of the `active` coordinates, from `guesses` as far as there are any.
     pub fn solve(
         &mut self,
         active: &[usize],
+        guesses: &[Vec<f64>],
         density: f64,
         matrix: &Matrix,
         multigrid: &mut Multigrid,
@@ -120,8 +121,13 @@ impl Responses {
                 right_side[facet.particle as usize] -= density * facet.wall.facet.length() * work[coordinate];
             }
             let pressure = &mut self.pressures[k];
-            pressure.clear();
-            pressure.resize(count, 0.0);
+            match guesses.get(k).filter(|guess| guess.len() == count) {
+                Some(guess) => pressure.clone_from(guess),
+                None => {
+                    pressure.clear();
+                    pressure.resize(count, 0.0);
+                }
+            }
             self.iterations += solver.solve(matrix, multigrid, &right_side, pressure, &parameters).iterations;
             self.right_sides[k] = right_side;
         }
@@ -160,6 +166,11 @@ impl Responses {
                 self.added_mass[row * self.size + column] = near[(l, k)] + symmetric;
             }
         }
+    }
+
+    /// The unit responses, one list per active coordinate \[Pa s2/m, Pa s2, modal\].
+    pub fn pressures(&self) -> &[Vec<f64>] {
+        &self.pressures
     }
 
     /// Adds the pressure that the accelerations `change` of all coordinates cause.
