@@ -42,7 +42,7 @@ struct Outputs {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct LastStep {
     before: structure::State,
-    /// Load that acted, without the constant one of the scene.
+    /// Load that acted, the constant one of the scene included.
     load: Vec<f64>,
     added: Option<AddedMass>,
     duration: f64,

@@ -139,11 +139,9 @@ impl Solver {
     /// Unit responses, and the pressure with the body accelerating as at the end of the last step: both depend on the
     /// state alone. `workspace.solution` holds the first guess.
     fn prepare_responses(&self, state: &State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
-        let parameters = &self.setting.parameters;
         let Workspace { accurate: prepared, solve, .. } = &mut *workspace;
         let voronoi::prepare::Prepared { matrix, multigrid, responses, .. } = prepared;
-        let active = &self.setting.geometry.active;
-        responses.solve(active, &state.responses, parameters.density, matrix, multigrid, solve, &parameters.solve);
+        responses.solve(&self.setting, &state.responses, matrix, multigrid, solve);
         report.iterations += responses.iterations;
         prepared.accelerations.clone_from(&state.motion.acceleration);
         self.solve_for_walls(state.time, workspace, report)?;

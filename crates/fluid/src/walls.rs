@@ -230,11 +230,6 @@ impl Walls {
         self.concave.contains(&(a.min(b), a.max(b)))
     }
 
-    /// Reach of attachments \[m\].
-    pub fn radius(&self) -> f64 {
-        self.radius
-    }
-
     /// Segments that may be within the radius of a point.
     pub fn candidates(&self, point: &Vector2<f64>) -> &[u32] {
         self.cells.of(point)

@@ -107,30 +107,24 @@ fn write_connectors(writer: &mut Xml, fmu: &Fmu, case: &Case, modes: usize) -> i
     let mut variables = super::reals(&fmu.name, modes);
     let is_fed = |name: &str| case.connection.iter().any(|link| link.to == format!("{}.{name}", fmu.name));
     variables.retain(|(name, kind)| *kind == "output" || is_fed(name));
-    writer.create_element("ssd:Connectors").write_inner_content(|writer| {
+    element(writer, "ssd:Connectors", &[], |writer| {
         for (name, kind) in &variables {
-            let attributes = [("name", name.as_str()), ("kind", *kind)];
-            writer.create_element("ssd:Connector").with_attributes(attributes).write_inner_content(|writer| {
+            element(writer, "ssd:Connector", &[("name", name), ("kind", kind)], |writer| {
                 writer.create_element("ssc:Real").write_empty()?;
                 Ok(())
             })?;
         }
         Ok(())
-    })?;
-    Ok(())
+    })
 }
 
 fn write_parameters(writer: &mut Xml, system: &System) -> io::Result<()> {
-    writer.create_element("ssd:ParameterBindings").write_inner_content(|writer| {
-        writer.create_element("ssd:ParameterBinding").write_inner_content(|writer| {
-            writer.create_element("ssd:ParameterValues").write_inner_content(|writer| {
-                write_set(writer, system, &[("version", "1.0"), ("name", system.name)], &[""])
-            })?;
-            Ok(())
-        })?;
-        Ok(())
-    })?;
-    Ok(())
+    let names = [("version", "1.0"), ("name", system.name)];
+    element(writer, "ssd:ParameterBindings", &[], |writer| {
+        element(writer, "ssd:ParameterBinding", &[], |writer| {
+            element(writer, "ssd:ParameterValues", &[], |writer| write_set(writer, system, &names, &[""]))
+        })
+    })
 }
 
 /// The same values for both FMUs in a file of its own, for importers that take a parameter set from outside.
@@ -146,23 +140,30 @@ fn loose_values(system: &System) -> io::Result<Vec<u8>> {
 /// A parameter set with the scene and its changes, once for each prefix of the names.
 fn write_set(writer: &mut Xml, system: &System, attributes: &[(&str, &str)], prefixes: &[&str]) -> io::Result<()> {
     let values = [("scene", system.name), ("scene_overrides", system.overrides)];
-    let set = writer.create_element("ssv:ParameterSet").with_attributes(attributes.iter().copied());
-    set.write_inner_content(|writer| {
-        writer.create_element("ssv:Parameters").write_inner_content(|writer| {
+    element(writer, "ssv:ParameterSet", attributes, |writer| {
+        element(writer, "ssv:Parameters", &[], |writer| {
             for prefix in prefixes {
                 for (name, value) in values.iter().filter(|(_, value)| !value.is_empty()) {
                     let name = format!("{prefix}{name}");
-                    let parameter = writer.create_element("ssv:Parameter").with_attribute(("name", name.as_str()));
-                    parameter.write_inner_content(|writer| {
+                    element(writer, "ssv:Parameter", &[("name", &name)], |writer| {
                         writer.create_element("ssv:String").with_attribute(("value", *value)).write_empty()?;
                         Ok(())
                     })?;
                 }
             }
             Ok(())
-        })?;
-        Ok(())
-    })?;
+        })
+    })
+}
+
+/// An element with what `inner` writes in it.
+fn element(
+    writer: &mut Xml,
+    name: &str,
+    attributes: &[(&str, &str)],
+    inner: impl FnOnce(&mut Xml) -> io::Result<()>,
+) -> io::Result<()> {
+    writer.create_element(name).with_attributes(attributes.iter().copied()).write_inner_content(inner)?;
     Ok(())
 }
 

@@ -14,6 +14,7 @@ use crate::matrix::Matrix;
 use crate::multigrid::Multigrid;
 use crate::parallel;
 use crate::parameters::SolveParameters;
+use crate::prepare::Setting;
 use crate::pressure::ConjugateGradient;
 use crate::walls::{FIXED, WallLayout};
 use kinematics::{Body, MaterialPoint};
@@ -95,23 +96,23 @@ impl Responses {
         self.facets.iter().zip(self.work.chunks_exact(self.size.max(1)))
     }
 
-    /// Solves for the unit responses of the `active` coordinates, from `guesses` as far as there are any.
+    /// Solves for the unit responses of the active coordinates, from `guesses` as far as there are any.
     pub fn solve(
         &mut self,
-        active: &[usize],
+        setting: &Setting,
         guesses: &[Vec<f64>],
-        density: f64,
         matrix: &Matrix,
         multigrid: &mut Multigrid,
         solver: &mut ConjugateGradient,
-        parameters: &SolveParameters,
     ) {
+        let (active, density) = (&setting.geometry.active, setting.parameters.density);
         let count = matrix.size();
         self.active.clear();
         self.active.extend_from_slice(active);
         self.iterations = 0;
         self.right_sides.resize_with(active.len(), Vec::new);
         self.pressures.resize_with(active.len(), Vec::new);
+        let parameters = &setting.parameters.solve;
         let parameters = SolveParameters { tolerance: TOLERANCE.max(parameters.tolerance), ..parameters.clone() };
         for (k, &coordinate) in active.iter().enumerate() {
             let mut right_side = std::mem::take(&mut self.right_sides[k]);
