@@ -1,6 +1,9 @@
 //! Uniform cells that list particles in a fixed order.
 
+use crate::parallel::CHUNK;
 use nalgebra::Vector2;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Cells over the bounding box of the particles; each lists its particles by ascending index.
 #[derive(Debug, Clone, Default)]
@@ -12,6 +15,18 @@ pub struct Grid {
     starts: Vec<u32>,
     members: Vec<u32>,
     cell_of: Vec<u32>,
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+/// Particles that stand side by side in the grid.
+pub struct Row<'a> {
+    /// Their numbers.
+    pub members: &'a [u32],
+    /// Where they stand \[m\].
+    pub x: &'a [f64],
+    /// Where they stand \[m\].
+    pub y: &'a [f64],
 }
 
 impl Grid {
@@ -46,6 +61,25 @@ impl Grid {
             self.starts[cell] = self.starts[cell + 1];
         }
         self.starts[cells] = positions.len() as u32;
+        self.x.resize(positions.len(), 0.0);
+        self.y.resize(positions.len(), 0.0);
+        let members = &self.members;
+        let places = self.x.par_iter_mut().zip(&mut self.y).zip(members).with_min_len(CHUNK);
+        places.for_each(|((x, y), &member)| (*x, *y) = (positions[member as usize].x, positions[member as usize].y));
+    }
+
+    /// Calls `visit` with the particles of every row of cells up to `rings` cells away from `position`, in a fixed order.
+    #[inline(always)]
+    pub fn for_each_row(&self, position: &Vector2<f64>, rings: i64, mut visit: impl FnMut(Row)) {
+        self.for_each_range(
+            position,
+            rings,
+            #[inline(always)]
+            |range| {
+                let (x, y) = (&self.x[range.clone()], &self.y[range.clone()]);
+                visit(Row { members: &self.members[range], x, y });
+            },
+        );
     }
 
     fn place(&self, position: &Vector2<f64>) -> (i64, i64) {
@@ -62,6 +96,14 @@ impl Grid {
     /// Calls `visit` with every particle in the cells up to `rings` cells away from `position`, in a fixed order.
     #[inline]
     pub fn for_each_within(&self, position: &Vector2<f64>, rings: i64, mut visit: impl FnMut(usize)) {
+        self.for_each_range(position, rings, |range| {
+            self.members[range].iter().for_each(|&member| visit(member as usize))
+        });
+    }
+
+    /// Calls `visit` with the range of members of every row of cells.
+    #[inline(always)]
+    fn for_each_range(&self, position: &Vector2<f64>, rings: i64, mut visit: impl FnMut(Range<usize>)) {
         let (column, row) = self.place(position);
         let first = (column - rings).max(0);
         let last = (column + rings).min(self.columns as i64 - 1);
@@ -70,11 +112,7 @@ impl Grid {
         }
         for r in (row - rings).max(0)..=(row + rings).min(self.rows as i64 - 1) {
             let base = r as usize * self.columns;
-            let start = self.starts[base + first as usize] as usize;
-            let end = self.starts[base + last as usize + 1] as usize;
-            for &member in &self.members[start..end] {
-                visit(member as usize);
-            }
+            visit(self.starts[base + first as usize] as usize..self.starts[base + last as usize + 1] as usize);
         }
     }
 }

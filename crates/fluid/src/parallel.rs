@@ -46,6 +46,27 @@ struct ChunkLists<T> {
     items: Vec<T>,
 }
 
+/// Writes the lists of one chunk, particle after particle.
+pub struct Writer<'a, T> {
+    ends: &'a mut Vec<u32>,
+    /// Where the entries of the particle go.
+    pub items: &'a mut Vec<T>,
+}
+
+impl<T> Writer<'_, T> {
+    /// Ends the list of a particle.
+    #[inline(always)]
+    pub fn end(&mut self) {
+        self.ends.push(self.items.len() as u32);
+    }
+
+    /// Number of entries since the last end.
+    #[inline(always)]
+    pub fn begun(&self) -> usize {
+        self.items.len() - self.ends.last().map_or(0, |&end| end as usize)
+    }
+}
+
 impl<T> Default for Lists<T> {
     fn default() -> Self {
         Self { chunks: Vec::new() }
@@ -55,46 +76,30 @@ impl<T> Default for Lists<T> {
 impl<T: Send + Sync> Lists<T> {
     /// Builds the lists of `count` particles; `collect(i, out)` appends the entries of particle i.
     pub fn build(&mut self, count: usize, collect: impl Fn(usize, &mut Vec<T>) + Sync) {
-        let chunks = count.div_ceil(CHUNK);
-        self.chunks.truncate(chunks);
-        self.chunks.resize_with(chunks, || ChunkLists { ends: Vec::new(), items: Vec::new() });
-        self.chunks.par_iter_mut().enumerate().for_each(|(chunk, lists)| {
-            lists.ends.clear();
-            lists.items.clear();
+        self.writers(count).enumerate().for_each(|(chunk, mut writer)| {
             for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
-                collect(i, &mut lists.items);
-                lists.ends.push(lists.items.len() as u32);
+                collect(i, writer.items);
+                writer.end();
             }
         });
     }
 
-    /// Builds two lists and one value per particle at once.
-    pub fn build_with<U: Send + Sync, V: Send>(
-        &mut self,
-        count: usize,
-        second: &mut Lists<U>,
-        values: &mut [V],
-        collect: impl Fn(usize, &mut Vec<T>, &mut Vec<U>, &mut V) + Sync,
-    ) {
-        self.reset(count);
-        second.reset(count);
-        let chunks = self.chunks.par_iter_mut().zip(&mut second.chunks).zip(values.par_chunks_mut(CHUNK));
-        chunks.enumerate().for_each(|(chunk, ((lists, others), values))| {
-            for (k, value) in values.iter_mut().enumerate() {
-                collect(chunk * CHUNK + k, &mut lists.items, &mut others.items, value);
-                lists.ends.push(lists.items.len() as u32);
-                others.ends.push(others.items.len() as u32);
-            }
-        });
+    /// Writers of the lists of all chunks, emptied, for loops that write several things at once.
+    pub fn writers(&mut self, count: usize) -> impl IndexedParallelIterator<Item = Writer<'_, T>> {
+        self.chunks.resize_with(count.div_ceil(CHUNK), || ChunkLists { ends: Vec::new(), items: Vec::new() });
+        self.chunks.par_iter_mut().map(|ChunkLists { ends, items }| {
+            ends.clear();
+            items.clear();
+            Writer { ends, items }
+        })
     }
 
-    fn reset(&mut self, count: usize) {
-        let chunks = count.div_ceil(CHUNK);
-        self.chunks.truncate(chunks);
-        self.chunks.resize_with(chunks, || ChunkLists { ends: Vec::new(), items: Vec::new() });
-        for lists in &mut self.chunks {
-            lists.ends.clear();
-            lists.items.clear();
+    /// Takes over whole chunks of `other`, which gets what was here instead.
+    pub fn swap_chunks(&mut self, other: &mut Self, taken: impl Fn(usize) -> bool) {
+        for (chunk, (own, others)) in self.chunks.iter_mut().zip(&mut other.chunks).enumerate() {
+            if taken(chunk) {
+                std::mem::swap(own, others);
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 pub mod added_mass;
 pub mod cell;
 pub mod cells;
+pub mod cut;
 pub mod enclosed;
 pub mod notch;
 pub mod operators;
@@ -11,6 +12,7 @@ pub mod polygon;
 pub mod prepare;
 pub mod relax;
 pub mod step;
+pub mod surroundings;
 
 #[cfg(test)]
 mod verification;

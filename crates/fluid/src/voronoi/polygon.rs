@@ -46,14 +46,17 @@ impl Polygon {
         polygon
     }
 
+    /// A convex polygon with the given corners, as many as there is room for.
+    pub fn of(corners: &[Corner]) -> Self {
+        let mut polygon = Self::square(0.0);
+        polygon.count = corners.len().min(CAPACITY);
+        polygon.corners[0][..polygon.count].copy_from_slice(&corners[..polygon.count]);
+        polygon
+    }
+
     /// Corners in order.
     pub fn corners(&self) -> &[Corner] {
         &self.corners[self.current][..self.count]
-    }
-
-    /// Largest squared distance of a corner from the particle \[m2\].
-    pub fn squared_reach(&self) -> f64 {
-        self.corners().iter().map(|corner| corner.place.norm_squared()).fold(0.0, f64::max)
     }
 
     /// Cuts off what lies beyond the plane by more than `slack`; returns whether anything was.

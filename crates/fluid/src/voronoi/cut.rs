@@ -1,0 +1,203 @@
+//! What of the room around a particle is nearer to it than to any other that it sees, and in front of the walls.
+
+use super::cell::{Bound, Cell, FAR, Facet, OPEN, turn};
+use super::cells::{SLACK, Setup, WallPlane};
+use super::notch::{Line, Lines};
+use super::polygon::{self, Corner, Plane, Polygon, Ring, WALL};
+use super::surroundings::Surroundings;
+use crate::grid::Grid;
+use crate::parallel::{CHUNK, Lists, Writer};
+use nalgebra::Vector2;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+/// Half-width in spacings of the box that a cell starts from: it lies in empty space.
+const BOX: f64 = FAR;
+/// Distance in front of its wall, in spacings, from which a particle nearer or behind looks around.
+const LEAST_IN_FRONT: f64 = 0.02;
+/// Distance in spacings up to which neighbours are looked for first, and size of the cells of the search grid.
+pub const NEAR: f64 = 1.7;
+/// Share of `OPEN` up to which rounding does not decide whether a corner lies in empty space.
+const SURE: f64 = 0.99;
+
+/// What is cut out, list by list.
+pub struct Cuttings<'a> {
+    /// Facets of cells that no wall and no empty space can touch.
+    pub facets: &'a mut Lists<Facet>,
+    /// Outlines of the other cells.
+    pub corners: &'a mut Lists<Corner>,
+    /// Planes of the walls that may be edges of these.
+    pub planes: &'a mut Lists<WallPlane>,
+    /// Area of each outline over the particle's own.
+    pub room: &'a mut [f64],
+    /// Cells, as far as they are known already.
+    pub cells: &'a mut [Cell],
+}
+
+/// Cuts the cells of all particles out of their surroundings.
+pub fn cut(setup: &Setup, grid: &Grid, cuttings: Cuttings) {
+    let Cuttings { facets, corners, planes, room, cells } = cuttings;
+    let count = setup.positions.len();
+    let lists = (facets.writers(count), corners.writers(count), planes.writers(count));
+    let values = (room.par_chunks_mut(CHUNK), cells.par_chunks_mut(CHUNK));
+    let chunks = (lists.0, lists.1, lists.2, values.0, values.1).into_par_iter().enumerate();
+    chunks.for_each_init(Surroundings::default, |around, (chunk, (facets, corners, planes, room, cells))| {
+        let lists = (facets, corners, planes);
+        Arch::new().dispatch(CutChunk { setup, grid, around, first: chunk * CHUNK, lists, room, cells });
+    });
+}
+
+/// The cells of one chunk of particles.
+struct CutChunk<'a, 'b> {
+    setup: &'a Setup<'b>,
+    grid: &'a Grid,
+    around: &'a mut Surroundings,
+    first: usize,
+    lists: (Writer<'a, Facet>, Writer<'a, Corner>, Writer<'a, WallPlane>),
+    room: &'a mut [f64],
+    cells: &'a mut [Cell],
+}
+
+impl WithSimd for CutChunk<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { setup, grid, around, first, lists: (mut facets, mut corners, mut planes), room, cells } = self;
+        for (k, (room, cell)) in room.iter_mut().zip(cells).enumerate() {
+            let i = first + k;
+            let here = setup.positions[i];
+            let view = View { setup, grid, i, here, walls: setup.walls.candidates(&here) };
+            *cell = cut_one(simd, &view, around, facets.items, corners.items, planes.items);
+            *room = cell.area / setup.volumes[i];
+            facets.end();
+            corners.end();
+            planes.end();
+        }
+    }
+}
+
+/// One particle and what it looks at.
+struct View<'a, 'b> {
+    setup: &'a Setup<'b>,
+    grid: &'a Grid,
+    i: usize,
+    here: Vector2<f64>,
+    walls: &'a [u32],
+}
+
+/// One cell: with its facets where these are sure to be seen alike from both sides, with its outline elsewhere.
+#[inline(always)]
+fn cut_one<S: Simd>(
+    simd: S,
+    view: &View,
+    around: &mut Surroundings,
+    facets: &mut Vec<Facet>,
+    corners: &mut Vec<Corner>,
+    planes: &mut Vec<WallPlane>,
+) -> Cell {
+    let begin = corners.len();
+    let reach = surround(simd, view, around, corners);
+    let setup = view.setup;
+    let near = |&segment: &u32| setup.walls.segments[segment as usize].squared_distance(&view.here) < reach;
+    let walls = view.walls.iter().any(near);
+    if !walls && reach <= (SURE * OPEN * setup.spacing).powi(2) {
+        let cell = close(around, &corners[begin..], facets);
+        corners.truncate(begin);
+        return cell;
+    }
+    if walls {
+        take_out_solids(view, reach, begin, corners, planes);
+    }
+    Cell { area: polygon::area(&corners[begin..]), odd: true, ..Cell::default() }
+}
+
+/// The outline of the part of the box around a particle that is nearer to it than to any other that it sees, appended to
+/// `corners`; returns its largest squared distance \[m2\].
+#[inline(always)]
+fn surround<S: Simd>(simd: S, view: &View, around: &mut Surroundings, corners: &mut Vec<Corner>) -> f64 {
+    let spacing = view.setup.spacing;
+    let (slack, own) = (SLACK * spacing, view.i as u32);
+    around.clear();
+    gather(view, 1, [0.0, NEAR], around);
+    let begin = corners.len();
+    let reach = around.walk(simd, own, slack, corners);
+    if 4.0 * reach <= (NEAR * spacing).powi(2) {
+        return reach;
+    }
+    // Most cells are finished by the nearest neighbours; only cells at surfaces and voids look farther.
+    around.put_box(BOX * spacing);
+    gather(view, 2, [NEAR, 2.0 * BOX], around);
+    corners.truncate(begin);
+    around.walk(simd, own, slack, corners)
+}
+
+/// Adds the particles between two distances, in spacings, that no wall hides.
+#[inline(always)]
+fn gather(view: &View, rings: i64, distances: [f64; 2], around: &mut Surroundings) {
+    let View { setup, grid, i, here, walls } = view;
+    let squares = distances.map(|distance| (distance * setup.spacing).powi(2));
+    grid.for_each_row(
+        here,
+        rings,
+        #[inline(always)]
+        |row| around.put_row(here, *i as u32, &row, squares),
+    );
+    if !walls.is_empty() {
+        around.retain(|j| !setup.walls.hides(here, &setup.positions[j]));
+    }
+}
+
+/// Facets and cell of a particle that has neighbours only.
+#[inline(always)]
+fn close(around: &Surroundings, corners: &[Corner], facets: &mut Vec<Facet>) -> Cell {
+    let mut outline = Ring::default();
+    for (k, corner) in corners.iter().enumerate() {
+        let next = if k + 1 == corners.len() { 0 } else { k + 1 };
+        let (normal, height) = around.bisector(k);
+        let along = turn(&normal);
+        let (from, to) = (along.dot(&corner.place), along.dot(&corners[next].place));
+        outline.walk(corner.place);
+        facets.push(Facet { neighbour: corner.label, bound: Bound::Whole, normal, height, from, to });
+    }
+    let (area, centroid) = outline.close();
+    Cell { area, centroid, ..Cell::default() }
+}
+
+/// Takes the solids near particle i out of its outline, the corners from `begin` on. Appends a plane for every wall that
+/// may be an edge of what remains.
+fn take_out_solids(view: &View, reach: f64, begin: usize, corners: &mut Vec<Corner>, planes: &mut Vec<WallPlane>) {
+    let View { setup, i, here, .. } = view;
+    let (walls, spacing) = (setup.walls, setup.spacing);
+    let first_plane = planes.len();
+    let mut lines = Lines::of(&corners[begin..], spacing);
+    for &index in view.walls {
+        let wall = &walls.segments[index as usize];
+        if wall.squared_distance(here) >= reach {
+            continue;
+        }
+        let label = WALL - (planes.len() - first_plane) as u32;
+        let line = Line { start: wall.start - here, tangent: wall.tangent, length: wall.length, label };
+        if lines.add_wall(line) {
+            let plane = Plane { normal: wall.normal, distance: wall.local(here).0 };
+            planes.push(WallPlane { plane, segment: index });
+        }
+    }
+    // A particle behind its wall sees what one just in front of it would.
+    let least = LEAST_IN_FRONT * spacing;
+    let own = || setup.attachments.of(*i).iter().filter(|entry| walls.is_beside(entry));
+    let behind = own().filter(|entry| entry.distance < least);
+    let inside = behind.fold(Vector2::zeros(), |place, entry| place - entry.normal * (least - entry.distance));
+    let convex = corners.split_off(begin);
+    if lines.walk(&inside, corners) {
+        return;
+    }
+    planes.truncate(first_plane);
+    let mut polygon = Polygon::of(&convex);
+    for (k, entry) in own().enumerate() {
+        let plane = Plane { normal: entry.normal, distance: entry.distance.max(least) };
+        planes.push(WallPlane { plane, segment: entry.segment });
+        polygon.cut(&plane, WALL - k as u32, SLACK * spacing);
+    }
+    corners.extend_from_slice(polygon.corners());
+}
