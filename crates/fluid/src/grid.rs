@@ -1,6 +1,6 @@
 //! Uniform cells that list particles in a fixed order.
 
-use crate::parallel::CHUNK;
+use crate::parallel::{self, CHUNK};
 use nalgebra::Vector2;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -40,13 +40,14 @@ impl Grid {
         let cells = self.columns * self.rows;
         self.starts.clear();
         self.starts.resize(cells + 1, 0);
-        self.cell_of.clear();
-        for position in positions {
-            let (column, row) = self.place(position);
-            let cell = row as usize * self.columns + column as usize;
-            self.cell_of.push(cell as u32);
-            self.starts[cell + 1] += 1;
-        }
+        let mut cell_of = std::mem::take(&mut self.cell_of);
+        cell_of.resize(positions.len(), 0);
+        parallel::fill(&mut cell_of, |i| {
+            let (column, row) = self.place(&positions[i]);
+            (row as usize * self.columns + column as usize) as u32
+        });
+        cell_of.iter().for_each(|&cell| self.starts[cell as usize + 1] += 1);
+        self.cell_of = cell_of;
         for cell in 0..cells {
             self.starts[cell + 1] += self.starts[cell];
         }

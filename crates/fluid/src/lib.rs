@@ -25,6 +25,7 @@ mod multigrid;
 mod neighbours;
 mod observe;
 pub mod operators;
+mod order;
 mod panel_motion;
 mod parallel;
 mod parameters;

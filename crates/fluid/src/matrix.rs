@@ -4,7 +4,7 @@ use crate::neighbours::Neighbourhood;
 use crate::parallel::{self, Lists};
 use crate::voronoi::cell::Facet;
 use crate::voronoi::cells::Cells;
-use crate::voronoi::enclosed;
+use crate::voronoi::enclosed::Groups;
 use nalgebra::Vector2;
 
 /// Row number of a particle that is no unknown.
@@ -32,8 +32,7 @@ pub struct Matrix {
     pub diagonal: Vec<f64>,
     /// Sum of each row: the weight of surface neighbours, where p = 0.
     pub row_sums: Vec<f64>,
-    reached: Vec<bool>,
-    queue: Vec<u32>,
+    groups: Groups,
 }
 
 impl Matrix {
@@ -86,7 +85,7 @@ impl Matrix {
             let cell = &cells.cells[i];
             if cell.is_open() { cell.surface / cell.depth } else { 0.0 }
         });
-        let enclosed = enclosed::settle(cells, &mut self.row_sums, &mut self.reached, &mut self.queue);
+        let enclosed = self.groups.settle(cells, &mut self.row_sums);
         self.fill_diagonal(enclosed);
     }
 

@@ -24,6 +24,11 @@ pub fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
     });
 }
 
+/// Whether `is` holds for every i in 0..count.
+pub fn all(count: usize, is: impl Fn(usize) -> bool + Sync) -> bool {
+    (0..count).into_par_iter().with_min_len(CHUNK).all(|i| is(i))
+}
+
 /// Replaces every value by `new(i, value)` in parallel.
 pub fn update(values: &mut [f64], new: impl Fn(usize, f64) -> f64 + Sync) {
     values.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(i, value)| *value = new(i, *value));
@@ -112,6 +117,11 @@ impl<T: Send + Sync> Lists<T> {
                 start = end as usize;
             }
         });
+    }
+
+    /// All entries, particle after particle.
+    pub fn iter_all(&self) -> impl Iterator<Item = &T> {
+        self.chunks.iter().flat_map(|lists| &lists.items)
     }
 
     /// The list of particle i.

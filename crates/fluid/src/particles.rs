@@ -1,11 +1,12 @@
 //! What happens to particles after the pressure: correction, shifting, collisions, walls.
 
 use crate::free_surface::is_beside_surface;
-use crate::parallel::{self, Lists};
+use crate::parallel::{self, CHUNK, Lists};
 use crate::prepare::{Prepared, Setting};
 use crate::state::State;
 use crate::walls::{Attachment, Walls};
 use nalgebra::Vector2;
+use rayon::prelude::*;
 
 /// Corrects velocities and positions with the pressure gradient: u = u* - dt grad p / rho, r = r* + (u - u*) dt.
 pub fn correct(
@@ -121,19 +122,22 @@ pub fn stop_at_walls(
     attachments: &Lists<Attachment>,
     walls: &Walls,
     contact: &Contact,
-    velocity_of: impl Fn(u32, f64) -> Vector2<f64>,
+    velocity_of: impl Fn(u32, f64) -> Vector2<f64> + Sync,
 ) -> usize {
-    let mut contacts = 0;
-    for i in 0..state.positions.len() {
+    let particles = state.positions.par_iter_mut().zip(&mut state.velocities).with_min_len(CHUNK).enumerate();
+    let contacts = particles.map(|(i, (position, velocity))| {
+        let mut contacts = 0;
         for entry in attachments.of(i) {
             // A strongly bent wall may have broken into other chains since the particle was attached.
             let Some(chain) = walls.chains.get(entry.chain as usize) else { continue };
-            let Some(segment) = walls.segments[chain.first..chain.last].iter().min_by(|a, b| {
-                a.squared_distance(&state.positions[i]).total_cmp(&b.squared_distance(&state.positions[i]))
-            }) else {
+            let near = walls.candidates(position).iter().map(|&index| &walls.segments[index as usize]);
+            let Some(segment) = near
+                .filter(|segment| segment.chain == entry.chain)
+                .min_by(|a, b| a.squared_distance(position).total_cmp(&b.squared_distance(position)))
+            else {
                 continue;
             };
-            let (distance, along) = segment.local(&state.positions[i]);
+            let (distance, along) = segment.local(position);
             let farthest = -(0.5 * chain.depth).min(contact.spacing);
             let beside = (0.0..=chain.length).contains(&(segment.arc + along));
             if distance >= contact.reach || distance < farthest || !beside {
@@ -141,23 +145,24 @@ pub fn stop_at_walls(
             }
             contacts += 1;
             let fraction = (along / segment.length).clamp(0.0, 1.0);
-            let relative = state.velocities[i] - velocity_of(segment.panel, fraction);
+            let relative = *velocity - velocity_of(segment.panel, fraction);
             let closing = relative.dot(&segment.normal);
             if closing > 0.0 {
-                state.velocities[i] -= segment.normal * ((1.0 + contact.restitution) * closing);
+                *velocity -= segment.normal * ((1.0 + contact.restitution) * closing);
             }
             if distance < contact.least {
-                state.positions[i] -= segment.normal * (contact.least - distance);
+                *position -= segment.normal * (contact.least - distance);
             }
         }
-    }
-    contacts
+        contacts
+    });
+    contacts.sum()
 }
 
 /// Removes particles that left the domain and returns their number.
 pub fn remove_lost(state: &mut State, low: &Vector2<f64>, high: &Vector2<f64>) -> usize {
     let inside = |point: &Vector2<f64>| point.x >= low.x && point.x <= high.x && point.y >= low.y && point.y <= high.y;
-    if state.positions.iter().all(inside) {
+    if parallel::all(state.positions.len(), |i| inside(&state.positions[i])) {
         return 0;
     }
     let keep: Vec<bool> = state.positions.iter().map(inside).collect();

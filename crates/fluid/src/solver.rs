@@ -7,6 +7,7 @@ use crate::grid::bounding_box;
 use crate::kernel::Kernel;
 use crate::motion::interpolate;
 use crate::observe::{self, Observables};
+use crate::order;
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
 use crate::parameters::{Geometry, PaperParameters, Parameters, Scheme};
@@ -63,6 +64,7 @@ pub struct Workspace {
     pub(crate) vectors: Vec<Vector2<f64>>,
     /// Positions before the particles were moved.
     pub(crate) before: Vec<Vector2<f64>>,
+    pub(crate) keys: Vec<(u64, u32)>,
 }
 
 impl Solver {
@@ -130,7 +132,7 @@ impl Solver {
     pub fn initial_state(&self) -> State {
         let count = self.start.len();
         let modes = self.modes();
-        State {
+        let mut state = State {
             time: 0.0,
             steps: 0,
             time_step: 0.0,
@@ -146,7 +148,9 @@ impl Solver {
             number_densities: vec![self.setting.kernel.reference_density; count],
             surface: vec![false; count],
             lost: 0,
-        }
+        };
+        order::sort(&mut state, self.setting.spacing, &mut Vec::new());
+        state
     }
 
     /// Scratch for this solver.
@@ -167,6 +171,7 @@ impl Solver {
             surplus: DVector::zeros(0),
             vectors: Vec::new(),
             before: Vec::new(),
+            keys: Vec::new(),
         }
     }
 
@@ -277,9 +282,11 @@ impl Solver {
             state.velocities[i].norm() * share
         });
         let parameters = &self.setting.parameters;
-        let mut acceleration = parallel::maximum(state.positions.len(), parameters.gravity.norm(), |i| {
-            parameters.body_force(&state.positions[i], state.time).norm()
-        });
+        let force = |place: &Vector2<f64>| parameters.body_force(place, state.time).norm();
+        let mut acceleration = parameters.gravity.norm().max(force(&Vector2::zeros()));
+        if parameters.attraction != 0.0 {
+            acceleration = parallel::maximum(state.positions.len(), acceleration, |i| force(&state.positions[i]));
+        }
         if let Some(body) = &self.setting.geometry.body {
             for point in self.setting.layout.panels.iter().flatten() {
                 speed = speed.max(body.velocity(*point, &state.motion).norm());

@@ -5,6 +5,7 @@ use crate::check;
 use crate::load::{self, PressureField};
 use crate::matrix::NO_ROW;
 use crate::motion::foretell;
+use crate::order;
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
 use crate::parameters::{AccurateParameters, Scheme};
@@ -287,13 +288,16 @@ impl Solver {
         load::add_body_load(&field, body, panels, &prepared.panels, coordinates, share, &mut state.load);
     }
 
-    /// Removes lost particles, and stops anything that is not finite.
-    fn finish(&self, state: &mut State, time_step: f64, workspace: &Workspace) -> Result<(), Error> {
+    /// Removes lost particles, stops anything that is not finite, and keeps neighbours near each other in memory.
+    fn finish(&self, state: &mut State, time_step: f64, workspace: &mut Workspace) -> Result<(), Error> {
         check::all_finite(state, &workspace.before)?;
         state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
         state.motion.clone_from(&workspace.target);
         state.time_step = time_step;
         state.steps += 1;
+        if order::is_due(state.steps) {
+            order::sort(state, self.setting.spacing, &mut workspace.keys);
+        }
         Ok(())
     }
 }

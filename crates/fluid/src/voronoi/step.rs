@@ -3,11 +3,13 @@
 use super::cell::Facet;
 use super::operators;
 use super::prepare::Prepared;
-use crate::parallel;
+use crate::parallel::{self, CHUNK};
 use crate::parameters::AccurateParameters;
 use crate::prepare::Setting;
 use crate::state::State;
 use nalgebra::Vector2;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Smallest and largest area of a cell over its particle's own whose mass counts as that of the cell. A splinter between
 /// two walls that close on it would be thrown out at any speed.
@@ -20,17 +22,15 @@ pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_s
     let cells = &prepared.cells;
     let pressures = &state.pressures;
     let volumes = &state.volumes;
-    parallel::fill(&mut state.velocities, |i| {
+    let moved = state.positions.par_iter_mut().zip(&mut state.velocities).with_min_len(CHUNK).enumerate();
+    moved.for_each(|(i, (position, velocity))| {
         let cell = &cells.cells[i];
         let sum = operators::pressure_difference(cells, i, pressures) + prepared.wall_difference(setting, i);
         let volume = volumes[i];
         let area = if cell.is_open() { volume } else { cell.area.clamp(SMALLEST * volume, LARGEST * volume) };
-        prepared.velocities[i] - sum * (time_step / (density * area))
+        *velocity = prepared.velocities[i] - sum * (time_step / (density * area));
+        *position += *velocity * time_step;
     });
-    let velocities = &state.velocities;
-    for (position, velocity) in state.positions.iter_mut().zip(velocities) {
-        *position += velocity * time_step;
-    }
 }
 
 /// Adds the load of the pressure on the moving panels to `load`, times `share`, by virtual work. The pressure on a
@@ -64,8 +64,12 @@ pub fn shift(
     scratch.resize(state.positions.len(), Vector2::zeros());
     let cells = &prepared.cells.cells;
     let volumes = &state.volumes;
+    let close = AtomicBool::new(false);
     parallel::fill(scratch, |i| {
         let cell = &cells[i];
+        if prepared.cells.facets.of(i).iter().any(|facet| facet.height < TOO_CLOSE * setting.spacing) {
+            close.store(true, Relaxed);
+        }
         let flatness = cell.flatness();
         if flatness == 0.0 {
             return Vector2::zeros();
@@ -81,11 +85,15 @@ pub fn shift(
         }
         way
     });
-    for (i, way) in scratch.iter().enumerate() {
-        state.positions[i] += way;
-        state.velocities[i] += prepared.gradients[i] * way;
+    let moved =
+        state.positions.par_iter_mut().zip(&mut state.velocities).zip(&*scratch).with_min_len(CHUNK).enumerate();
+    moved.for_each(|(i, ((position, velocity), way))| {
+        *position += way;
+        *velocity += prepared.gradients[i] * way;
+    });
+    if close.into_inner() {
+        part_pairs(state, prepared, setting.spacing, scratch);
     }
-    part_pairs(state, prepared, setting.spacing, scratch);
 }
 
 /// Distance in spacings below which two particles are parted whatever the flow does.
@@ -107,9 +115,7 @@ fn part_pairs(state: &mut State, prepared: &Prepared, spacing: f64, scratch: &mu
         };
         close.map(part).sum()
     });
-    for (position, way) in state.positions.iter_mut().zip(scratch.iter()) {
-        *position += way;
-    }
+    state.positions.par_iter_mut().zip(&*scratch).with_min_len(CHUNK).for_each(|(position, way)| *position += way);
 }
 
 /// Sum of the vectors away from particles and walls' images nearer than `CROWDED` spacings, as long as these are nearer.
@@ -135,10 +141,10 @@ fn towards_room(prepared: &Prepared, volumes: &[f64], i: usize, spacing: f64) ->
 /// Records what belongs to the state: free surface and how full cells are.
 pub fn record(state: &mut State, prepared: &Prepared, reference_density: f64) {
     let cells = &prepared.cells.cells;
-    for (flag, cell) in state.surface.iter_mut().zip(cells) {
-        *flag = cell.is_open();
-    }
-    for ((value, cell), volume) in state.number_densities.iter_mut().zip(cells).zip(&state.volumes) {
-        *value = reference_density * volume / cell.area.max(f64::MIN_POSITIVE);
-    }
+    let volumes = &state.volumes;
+    let recorded = state.surface.par_iter_mut().zip(&mut state.number_densities).with_min_len(CHUNK).enumerate();
+    recorded.for_each(|(i, (surface, density))| {
+        *surface = cells[i].is_open();
+        *density = reference_density * volumes[i] / cells[i].area.max(f64::MIN_POSITIVE);
+    });
 }
