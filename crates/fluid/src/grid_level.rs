@@ -1,9 +1,14 @@
 //! One grid of the multigrid preconditioner: moments of its cells, a nine-point operator on its vertices, transfers.
+//!
+//! Only cells with particles, and their corners, exist: drops far from the rest cost nothing but themselves.
 
+use crate::multigrid::SMOOTHING;
 use crate::parallel;
 
-/// Damping of the Jacobi smoother.
-pub const DAMPING: f64 = 0.8;
+/// Place in a map of a cell or vertex that does not exist.
+const NONE: u32 = u32::MAX;
+/// Weights of the nine fine vertices around a coarse one, and of its own.
+const WEIGHTS: [f32; 9] = [0.25, 0.5, 0.25, 0.5, 1.0, 0.5, 0.25, 0.5, 0.25];
 
 /// Moments of the particles in a cell, with local coordinates (a, b) in 0..1.
 #[derive(Debug, Clone, Copy, Default)]
@@ -45,19 +50,15 @@ impl Moments {
         self.sab += 0.25 * (child.sab + x * child.sb + y * child.sa + x * y * child.s);
     }
 
-    /// Contribution to the operator between corner k and corner m (k = x + 2 y), without kappa / H^2.
-    pub fn stiffness(&self) -> [[f64; 4]; 4] {
+    /// Contribution to the operator between corner `k` and all corners (k = x + 2 y), without kappa / H^2.
+    pub fn stiffness(&self, k: usize) -> [f64; 4] {
         let along_b = [self.count - 2.0 * self.b + self.bb, self.b - self.bb, self.bb];
         let along_a = [self.count - 2.0 * self.a + self.aa, self.a - self.aa, self.aa];
-        let mut out = [[0.0; 4]; 4];
-        for (k, row) in out.iter_mut().enumerate() {
-            for (m, value) in row.iter_mut().enumerate() {
-                let (kx, ky, mx, my) = (k & 1, k >> 1, m & 1, m >> 1);
-                let sign = |p: usize, q: usize| if p == q { 1.0 } else { -1.0 };
-                *value = sign(kx, mx) * along_b[ky + my] + sign(ky, my) * along_a[kx + mx];
-            }
-        }
-        out
+        let sign = |p: usize, q: usize| if p == q { 1.0 } else { -1.0 };
+        std::array::from_fn(|m| {
+            let (kx, ky, mx, my) = (k & 1, k >> 1, m & 1, m >> 1);
+            sign(kx, mx) * along_b[ky + my] + sign(ky, my) * along_a[kx + mx]
+        })
     }
 
     /// Lumped boundary weight of each corner.
@@ -66,134 +67,217 @@ impl Moments {
     }
 }
 
-/// One grid level: a nine-point operator on vertices.
+/// One grid level: a nine-point operator on the vertices that exist.
 #[derive(Debug, Clone, Default)]
 pub struct Level {
-    pub columns: usize,
-    pub rows: usize,
+    columns: usize,
+    rows: usize,
+    /// Place of each cell in the full grid, ascending.
+    pub cells: Vec<u32>,
+    /// Moments of each cell.
     pub moments: Vec<Moments>,
-    /// Entry (dx + 1) + 3 (dy + 1) of each vertex.
-    pub stencil: Vec<[f64; 9]>,
-    pub inverse_diagonal: Vec<f64>,
-    pub right_side: Vec<f64>,
-    pub solution: Vec<f64>,
-    pub residual: Vec<f64>,
+    /// Vertices at the corners of each cell, k = x + 2 y.
+    pub corners: Vec<[u32; 4]>,
+    /// Cells around each vertex, k = x + 2 y; the number of cells for none.
+    pub cells_around: Vec<[u32; 4]>,
+    /// Place of each vertex in the full grid, ascending.
+    vertices: Vec<u32>,
+    /// Vertices around each one, entry (dx + 1) + 3 (dy + 1); the number of vertices for none.
+    around: Vec<[u32; 9]>,
+    /// Operator, in the same order.
+    stencil: Vec<[f32; 9]>,
+    /// Damping over the diagonal.
+    inverse: Vec<f32>,
+    /// Vertices of the next level whose mean each vertex takes over.
+    parents: Vec<[u32; 4]>,
+    /// Vertices of the finer level around each one.
+    children: Vec<[u32; 9]>,
+    map: Vec<u32>,
 }
 
 impl Level {
-    pub fn vertices(&self) -> usize {
-        (self.columns + 1) * (self.rows + 1)
+    /// Number of vertices.
+    pub fn size(&self) -> usize {
+        self.vertices.len()
     }
 
-    pub fn reset(&mut self, columns: usize, rows: usize) {
+    /// Takes the cells where `exists` says so from a full grid, and numbers them and their vertices. Returns through `map`
+    /// the number of every cell of the full grid.
+    pub fn lay_out(&mut self, columns: usize, rows: usize, exists: impl Fn(usize) -> bool, map: &mut Vec<u32>) {
         (self.columns, self.rows) = (columns, rows);
-        self.moments.clear();
-        self.moments.resize(columns * rows, Moments::default());
-        for field in [&mut self.inverse_diagonal, &mut self.right_side, &mut self.solution, &mut self.residual] {
-            field.clear();
-            field.resize((columns + 1) * (rows + 1), 0.0);
-        }
-    }
-
-    pub fn coarsen_into(&self, coarse: &mut Level) {
-        coarse.reset(self.columns.div_ceil(2), self.rows.div_ceil(2));
-        for y in 0..self.rows {
-            for x in 0..self.columns {
-                let parent = &mut coarse.moments[(y / 2) * coarse.columns + x / 2];
-                parent.add_child(&self.moments[y * self.columns + x], (x % 2) as f64, (y % 2) as f64);
+        self.cells.clear();
+        map.clear();
+        for cell in 0..columns * rows {
+            let known = exists(cell);
+            map.push(if known { self.cells.len() as u32 } else { NONE });
+            if known {
+                self.cells.push(cell as u32);
             }
         }
+        self.moments.clear();
+        self.moments.resize(self.cells.len(), Moments::default());
+        self.number_vertices();
+        self.find_cells_around(map);
+    }
+
+    fn number_vertices(&mut self) {
+        let width = self.columns + 1;
+        self.map.clear();
+        self.map.resize(width * (self.rows + 1), NONE);
+        let corners = |cell: u32| {
+            let (x, y) = (cell as usize % self.columns, cell as usize / self.columns);
+            let first = y * width + x;
+            [first, first + 1, first + width, first + width + 1]
+        };
+        for &cell in &self.cells {
+            corners(cell).into_iter().for_each(|vertex| self.map[vertex] = 0);
+        }
+        self.vertices.clear();
+        for (place, number) in self.map.iter_mut().enumerate().filter(|(_, number)| **number != NONE) {
+            *number = self.vertices.len() as u32;
+            self.vertices.push(place as u32);
+        }
+        self.corners.clear();
+        self.corners.extend(self.cells.iter().map(|&cell| corners(cell).map(|vertex| self.map[vertex])));
+    }
+
+    fn find_cells_around(&mut self, map: &[u32]) {
+        let (columns, rows, none) = (self.columns, self.rows, self.cells.len() as u32);
+        self.cells_around.resize(self.vertices.len(), [0; 4]);
+        let vertices = &self.vertices;
+        parallel::fill(&mut self.cells_around, |v| {
+            let (x, y) = (vertices[v] as usize % (columns + 1), vertices[v] as usize / (columns + 1));
+            std::array::from_fn(|k| {
+                let (cx, cy) = ((x + (k & 1)).wrapping_sub(1), (y + (k >> 1)).wrapping_sub(1));
+                if cx < columns && cy < rows { map[cy * columns + cx].min(none) } else { none }
+            })
+        });
+    }
+
+    /// The level of half as many cells each way, with the moments of this one's.
+    pub fn coarsen_into(&mut self, coarse: &mut Level, map: &mut Vec<u32>, marks: &mut Vec<bool>) {
+        let (columns, rows) = (self.columns.div_ceil(2), self.rows.div_ceil(2));
+        let parent = |cell: u32| {
+            let (x, y) = (cell as usize % self.columns, cell as usize / self.columns);
+            ((y / 2) * columns + x / 2, (x % 2) as f64, (y % 2) as f64)
+        };
+        marks.clear();
+        marks.resize(columns * rows, false);
+        self.cells.iter().for_each(|&cell| marks[parent(cell).0] = true);
+        coarse.lay_out(columns, rows, |cell| marks[cell], map);
+        for (&cell, moments) in self.cells.iter().zip(&self.moments) {
+            let (place, x, y) = parent(cell);
+            coarse.moments[map[place] as usize].add_child(moments, x, y);
+        }
+        self.find_relatives(coarse);
+    }
+
+    fn find_relatives(&mut self, coarse: &mut Level) {
+        let (width, coarse_width) = (self.columns + 1, coarse.columns + 1);
+        self.parents.resize(self.vertices.len(), [0; 4]);
+        let (vertices, map) = (&self.vertices, &coarse.map);
+        parallel::fill(&mut self.parents, |v| {
+            let (x, y) = (vertices[v] as usize % width, vertices[v] as usize / width);
+            let at = |cx: usize, cy: usize| map[cy * coarse_width + cx];
+            let (x0, x1, y0, y1) = (x / 2, x.div_ceil(2), y / 2, y.div_ceil(2));
+            [at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1)]
+        });
+        let none = self.vertices.len() as u32;
+        coarse.children.resize(coarse.vertices.len(), [0; 9]);
+        let (columns, rows, map) = (self.columns, self.rows, &self.map);
+        let vertices = &coarse.vertices;
+        parallel::fill(&mut coarse.children, |v| {
+            let (x, y) = (2 * (vertices[v] as usize % coarse_width), 2 * (vertices[v] as usize / coarse_width));
+            neighbours(map, columns, rows, x, y, none)
+        });
     }
 
     /// Assembles the operator; `scale` is kappa / H^2.
     pub fn assemble(&mut self, scale: f64) {
-        let width = self.columns + 1;
-        self.stencil.clear();
-        self.stencil.resize(self.vertices(), [0.0; 9]);
-        for y in 0..self.rows {
-            for x in 0..self.columns {
-                let cell = &self.moments[y * self.columns + x];
-                if cell.count == 0.0 {
-                    continue;
+        let (columns, rows, none) = (self.columns, self.rows, self.vertices.len() as u32);
+        let (map, vertices, cells_around, moments) = (&self.map, &self.vertices, &self.cells_around, &self.moments);
+        self.around.resize(vertices.len(), [0; 9]);
+        self.stencil.resize(vertices.len(), [0.0; 9]);
+        self.inverse.resize(vertices.len(), 0.0);
+        parallel::fill(&mut self.around, |v| {
+            let (x, y) = (vertices[v] as usize % (columns + 1), vertices[v] as usize / (columns + 1));
+            neighbours(map, columns, rows, x, y, none)
+        });
+        parallel::fill(&mut self.stencil, |v| {
+            let mut entries = [0.0; 9];
+            for (place, &cell) in cells_around[v].iter().enumerate() {
+                let Some(cell) = moments.get(cell as usize) else { continue };
+                // Seen from the cell, the vertex is the opposite corner.
+                let (k, kx, ky) = (3 - place, 1 - (place & 1), 1 - (place >> 1));
+                for (m, value) in cell.stiffness(k).iter().enumerate() {
+                    entries[((m & 1) + 1 - kx) + 3 * ((m >> 1) + 1 - ky)] += scale * value;
                 }
-                let (stiffness, boundary) = (cell.stiffness(), cell.boundary());
-                for (k, line) in stiffness.iter().enumerate() {
-                    let (kx, ky) = (k & 1, k >> 1);
-                    let entries = &mut self.stencil[(y + ky) * width + x + kx];
-                    for (m, value) in line.iter().enumerate() {
-                        let (mx, my) = (m & 1, m >> 1);
-                        entries[(mx + 1 - kx) + 3 * (my + 1 - ky)] += scale * value;
-                    }
-                    entries[4] += boundary[k];
-                }
+                entries[4] += cell.boundary()[k];
             }
-        }
-        for (inverse, entries) in self.inverse_diagonal.iter_mut().zip(&self.stencil) {
-            *inverse = if entries[4] > 0.0 { 1.0 / entries[4] } else { 0.0 };
-        }
+            entries.map(|value| value as f32)
+        });
+        let stencil = &self.stencil;
+        parallel::fill(&mut self.inverse, |v| if stencil[v][4] > 0.0 { SMOOTHING / stencil[v][4] } else { 0.0 });
     }
 
-    pub fn product(&self, vertex: usize, x: &[f64]) -> f64 {
-        let width = self.columns + 1;
-        let (column, row) = (vertex % width, vertex / width);
-        let entries = &self.stencil[vertex];
-        let mut sum = 0.0;
-        for dy in (if row == 0 { 1 } else { 0 })..(if row == self.rows { 2 } else { 3 }) {
-            for dx in (if column == 0 { 1 } else { 0 })..(if column == self.columns { 2 } else { 3 }) {
-                sum += entries[dx + 3 * dy] * x[vertex + dx + dy * width - 1 - width];
+    /// Entries of the operator, for factors: vertex, other vertex, value.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let lists = self.around.iter().zip(&self.stencil).enumerate();
+        lists.flat_map(|(v, (around, values))| {
+            let known = around.iter().zip(values).filter(|(w, _)| (**w as usize) < self.around.len());
+            known.map(move |(&w, &value)| (v, w as usize, f64::from(value)))
+        })
+    }
+
+    /// One damped Jacobi step from zero.
+    pub fn smooth_from_zero<const K: usize>(&self, right: &[[f32; K]], out: &mut [[f32; K]]) {
+        parallel::fill(&mut out[..self.size()], |v| right[v].map(|value| value * self.inverse[v]));
+    }
+
+    /// What is left of the right side.
+    pub fn residual<const K: usize>(&self, right: &[[f32; K]], x: &[[f32; K]], out: &mut [[f32; K]]) {
+        parallel::fill(&mut out[..self.size()], |v| {
+            let mut left = right[v];
+            for (&w, &value) in self.around[v].iter().zip(&self.stencil[v]) {
+                let x = &x[w as usize];
+                left.iter_mut().zip(x).for_each(|(left, x)| *left -= value * x);
             }
-        }
-        sum
+            left
+        });
     }
 
-    pub fn smooth_from_zero(&mut self) {
-        for ((x, b), inverse) in self.solution.iter_mut().zip(&self.right_side).zip(&self.inverse_diagonal) {
-            *x = DAMPING * inverse * b;
-        }
-    }
-
-    pub fn update_residual(&mut self) {
-        let mut residual = std::mem::take(&mut self.residual);
-        parallel::fill(&mut residual, |v| self.right_side[v] - self.product(v, &self.solution));
-        self.residual = residual;
-    }
-
-    pub fn smooth_again(&mut self) {
-        self.update_residual();
-        for ((x, r), inverse) in self.solution.iter_mut().zip(&self.residual).zip(&self.inverse_diagonal) {
-            *x += DAMPING * inverse * r;
+    /// One damped Jacobi step.
+    pub fn smooth_again<const K: usize>(&self, residual: &[[f32; K]], x: &mut [[f32; K]]) {
+        for ((x, residual), inverse) in x.iter_mut().zip(&residual[..self.size()]).zip(&self.inverse) {
+            x.iter_mut().zip(residual).for_each(|(x, residual)| *x += inverse * residual);
         }
     }
 
-    /// Residual times the transpose of bilinear interpolation, gathered by coarse vertex.
-    pub fn restrict_into(&self, coarse: &mut Level) {
-        let width = self.columns + 1;
-        let coarse_width = coarse.columns + 1;
-        for (vertex, value) in coarse.right_side.iter_mut().enumerate() {
-            let (x, y) = (2 * (vertex % coarse_width) as i64, 2 * (vertex / coarse_width) as i64);
-            *value = 0.0;
-            for (dy, wy) in [(-1, 0.5), (0, 1.0), (1, 0.5)] {
-                for (dx, wx) in [(-1, 0.5), (0, 1.0), (1, 0.5)] {
-                    let (fx, fy) = (x + dx, y + dy);
-                    if (0..=self.columns as i64).contains(&fx) && (0..=self.rows as i64).contains(&fy) {
-                        *value += wx * wy * self.residual[fy as usize * width + fx as usize];
-                    }
-                }
+    /// The finer level's residual times the transpose of bilinear interpolation.
+    pub fn restrict<const K: usize>(&self, fine: &[[f32; K]], out: &mut [[f32; K]]) {
+        parallel::fill(&mut out[..self.size()], |v| {
+            let mut sum = [0.0; K];
+            for (&child, weight) in self.children[v].iter().zip(WEIGHTS) {
+                sum.iter_mut().zip(&fine[child as usize]).for_each(|(sum, value)| *sum += weight * value);
+            }
+            sum
+        });
+    }
+
+    /// Adds the next level's values, interpolated.
+    pub fn add_interpolated<const K: usize>(&self, coarse: &[[f32; K]], x: &mut [[f32; K]]) {
+        for (x, parents) in x.iter_mut().zip(&self.parents) {
+            for &parent in parents {
+                x.iter_mut().zip(&coarse[parent as usize]).for_each(|(x, value)| *x += 0.25 * value);
             }
         }
     }
+}
 
-    pub fn add_interpolated(&mut self, coarse: &Level) {
-        let width = self.columns + 1;
-        let coarse_width = coarse.columns + 1;
-        for (vertex, value) in self.solution.iter_mut().enumerate() {
-            if self.inverse_diagonal[vertex] == 0.0 {
-                continue;
-            }
-            let (x, y) = (vertex % width, vertex / width);
-            let (x0, x1, y0, y1) = (x / 2, x.div_ceil(2), y / 2, y.div_ceil(2));
-            let at = |cx: usize, cy: usize| coarse.solution[cy * coarse_width + cx];
-            *value += 0.25 * (at(x0, y0) + at(x1, y0) + at(x0, y1) + at(x1, y1));
-        }
-    }
+/// Numbers of the vertices around (x, y), `none` where there is none.
+fn neighbours(map: &[u32], columns: usize, rows: usize, x: usize, y: usize, none: u32) -> [u32; 9] {
+    std::array::from_fn(|k| {
+        let (nx, ny) = ((x + k % 3).wrapping_sub(1), (y + k / 3).wrapping_sub(1));
+        if nx <= columns && ny <= rows { map[ny * (columns + 1) + nx].min(none) } else { none }
+    })
 }

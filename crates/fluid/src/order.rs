@@ -37,7 +37,6 @@ pub fn sort(state: &mut State, spacing: f64, keys: &mut Vec<(u64, u32)>) {
     permute(&mut state.volumes, keys);
     permute(&mut state.number_densities, keys);
     permute(&mut state.surface, keys);
-    state.responses.iter_mut().for_each(|response| permute(response, keys));
 }
 
 fn permute<T: Copy>(values: &mut Vec<T>, keys: &[(u64, u32)]) {

@@ -5,14 +5,23 @@ use rayon::prelude::*;
 /// Particles per chunk: one task of a parallel loop, and the fixed grain of every sum.
 pub const CHUNK: usize = 256;
 
-/// Sum of `term(i)` for i in 0..count, added in a fixed order: within chunks first, then over chunks.
-pub fn sum(count: usize, partial: &mut Vec<f64>, term: impl Fn(usize) -> f64 + Sync) -> f64 {
-    let chunks = count.div_ceil(CHUNK);
-    partial.resize(chunks, 0.0);
+/// Sums of `term(i)` for i in 0..count, several at once, added in a fixed order: within chunks first, then over chunks.
+pub fn sums<const K: usize>(
+    count: usize,
+    partial: &mut Vec<[f64; K]>,
+    term: impl Fn(usize) -> [f64; K] + Sync,
+) -> [f64; K] {
+    partial.resize(count.div_ceil(CHUNK), [0.0; K]);
     partial.par_iter_mut().enumerate().for_each(|(chunk, slot)| {
-        *slot = (chunk * CHUNK..((chunk + 1) * CHUNK).min(count)).map(&term).sum();
+        let terms = (chunk * CHUNK..((chunk + 1) * CHUNK).min(count)).map(&term);
+        *slot = terms.fold([0.0; K], |sum, term| std::array::from_fn(|k| sum[k] + term[k]));
     });
-    partial.iter().sum()
+    total(partial)
+}
+
+/// Sums of what chunks added up to.
+pub fn total<const K: usize>(partial: &[[f64; K]]) -> [f64; K] {
+    partial.iter().fold([0.0; K], |sum, term| std::array::from_fn(|k| sum[k] + term[k]))
 }
 
 /// Fills `out[i] = value(i)` in parallel.

@@ -171,7 +171,6 @@ pub fn remove_lost(state: &mut State, low: &Vector2<f64>, high: &Vector2<f64>) -
     retain(&mut state.pressures, &keep);
     retain(&mut state.volumes, &keep);
     retain(&mut state.number_densities, &keep);
-    state.responses.iter_mut().for_each(|response| retain(response, &keep));
     retain(&mut state.surface, &keep);
     retain(&mut state.positions, &keep);
     before - state.positions.len()

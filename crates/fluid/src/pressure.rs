@@ -1,18 +1,22 @@
 //! Conjugate gradients for the pressure, preconditioned by the multigrid.
 
 use crate::matrix::Matrix;
-use crate::multigrid::Multigrid;
-use crate::parallel::{self, update};
+use crate::multigrid::{Cycle, Multigrid, SMOOTHING};
+use crate::parallel::{self, CHUNK};
 use crate::parameters::SolveParameters;
+use rayon::prelude::*;
 
-/// Vectors of the iteration.
+/// Vectors of the iteration: `K` systems with the same matrix side by side.
 #[derive(Debug, Clone, Default)]
-pub struct ConjugateGradient {
-    r: Vec<f64>,
-    z: Vec<f64>,
-    direction: Vec<f64>,
-    product: Vec<f64>,
-    partial: Vec<f64>,
+pub struct ConjugateGradient<const K: usize> {
+    residual: Vec<[f64; K]>,
+    direction: Vec<[f64; K]>,
+    product: Vec<[f64; K]>,
+    /// M^-1 r / |b|: the scale keeps it in the range of single precision.
+    smoothed: Vec<[f32; K]>,
+    preconditioned: Vec<[f32; K]>,
+    cycle: Cycle<K>,
+    partial: Vec<[f64; K]>,
 }
 
 /// How a solve ended.
@@ -20,60 +24,152 @@ pub struct ConjugateGradient {
 pub struct Outcome {
     /// Iterations done.
     pub iterations: usize,
-    /// |b - A x| / |b|.
+    /// |b - A x| / |b|, the largest of all systems.
     pub residual: f64,
 }
 
-impl ConjugateGradient {
-    /// Solves A x = b from the starting guess in `x` until |r| <= tolerance |b|.
+impl<const K: usize> ConjugateGradient<K> {
+    /// Solves A x = b from the starting guess in `x` until |r| <= tolerance |b|. Systems that are done wait for the
+    /// others; those with b = 0 have x = 0.
     pub fn solve(
         &mut self,
         matrix: &Matrix,
-        preconditioner: &mut Multigrid,
-        b: &[f64],
-        x: &mut [f64],
+        preconditioner: &Multigrid,
+        b: &[[f64; K]],
+        x: &mut [[f64; K]],
         parameters: &SolveParameters,
     ) -> Outcome {
         let size = b.len();
-        for vector in [&mut self.r, &mut self.z, &mut self.direction, &mut self.product] {
-            vector.resize(size, 0.0);
-        }
-        let norm = parallel::sum(size, &mut self.partial, |i| b[i] * b[i]).sqrt();
-        if norm == 0.0 {
-            x.fill(0.0);
+        self.resize(size);
+        let norm = parallel::sums(size, &mut self.partial, |i| b[i].map(|value| value * value)).map(f64::sqrt);
+        if norm == [0.0; K] {
+            x.fill([0.0; K]);
             return Outcome::default();
         }
-        {
-            let x = &*x;
-            parallel::fill(&mut self.r, |i| b[i] - matrix.row_product(i, x));
-        }
-        let mut rho = 0.0;
+        let scale = norm.map(|norm| if norm > 0.0 { 1.0 / norm } else { 0.0 });
+        let mut squares = self.start(matrix, b, x, &norm, &scale);
+        let mut rho = [0.0; K];
         for iteration in 0..=parameters.maximum_iterations {
-            let residual = self.residual_norm() / norm;
+            let left: [f64; K] = std::array::from_fn(|k| squares[k].sqrt() * scale[k]);
+            let residual = left.iter().fold(0.0, |most: f64, &value| if value <= most { most } else { value });
             let stop = residual <= parameters.tolerance || iteration == parameters.maximum_iterations;
             if stop || !residual.is_finite() {
                 return Outcome { iterations: iteration, residual };
             }
-            preconditioner.apply(matrix, &self.r, &mut self.z);
-            let (r, z) = (&self.r, &self.z);
-            let next = parallel::sum(size, &mut self.partial, |i| r[i] * z[i]);
-            let beta = if iteration == 0 { 0.0 } else { next / rho };
+            let going: [bool; K] = std::array::from_fn(|k| left[k] > parameters.tolerance);
+            let next = self.precondition(matrix, preconditioner, &scale);
+            let beta = std::array::from_fn(|k| if iteration > 0 && going[k] { next[k] / rho[k] } else { 0.0 });
             rho = next;
-            update(&mut self.direction, |i, old| z[i] + beta * old);
-            let direction = &self.direction;
-            parallel::fill(&mut self.product, |i| matrix.row_product(i, direction));
-            let product = &self.product;
-            let alpha = rho / parallel::sum(size, &mut self.partial, |i| direction[i] * product[i]);
-            update(x, |i, old| old + alpha * direction[i]);
-            update(&mut self.r, |i, old| old - alpha * product[i]);
+            let curvature = self.turn(matrix, &beta);
+            let alpha = std::array::from_fn(|k| if going[k] { rho[k] / curvature[k] } else { 0.0 });
+            squares = self.advance(matrix, x, &alpha, &scale);
         }
         Outcome { iterations: parameters.maximum_iterations, residual: f64::NAN }
     }
 
-    fn residual_norm(&mut self) -> f64 {
-        let r = &self.r;
-        parallel::sum(r.len(), &mut self.partial, |i| r[i] * r[i]).sqrt()
+    fn resize(&mut self, size: usize) {
+        for vector in [&mut self.residual, &mut self.direction, &mut self.product] {
+            vector.resize(size, [0.0; K]);
+        }
+        self.smoothed.resize(size, [0.0; K]);
+        self.preconditioned.resize(size, [0.0; K]);
     }
+
+    /// r = b - A x and its first smoothing; returns |r|^2.
+    fn start(
+        &mut self,
+        matrix: &Matrix,
+        b: &[[f64; K]],
+        x: &mut [[f64; K]],
+        norm: &[f64; K],
+        scale: &[f64; K],
+    ) -> [f64; K] {
+        for k in (0..K).filter(|&k| norm[k] == 0.0) {
+            x.iter_mut().for_each(|x| x[k] = 0.0);
+        }
+        let x = &*x;
+        self.partial.clear();
+        let squares = matrix.pass(x, &mut self.residual, &mut self.partial, |row, sums: [f64; K], residual| {
+            *residual = std::array::from_fn(|k| b[row][k] - (matrix.diagonal[row] * x[row][k] - sums[k]));
+            residual.map(|value| value * value)
+        });
+        let residual = &self.residual;
+        parallel::fill(&mut self.smoothed, |row| smooth(&residual[row], scale, matrix.diagonal[row]));
+        squares
+    }
+
+    /// M^-1 r / |b|, one V-cycle between two smoothings; returns r . M^-1 r / |b|.
+    fn precondition(&mut self, matrix: &Matrix, preconditioner: &Multigrid, scale: &[f64; K]) -> [f64; K] {
+        let residual = &self.residual;
+        let smoothed = &mut self.smoothed;
+        preconditioner.correct(matrix, residual, scale, smoothed, &mut self.cycle, &mut self.partial);
+        let smoothed = &self.smoothed;
+        matrix.pass(smoothed, &mut self.preconditioned, &mut self.partial, |row, sums: [f32; K], out| {
+            let diagonal = matrix.diagonal[row] as f32;
+            let (r, z) = (&residual[row], &smoothed[row]);
+            let rest = |k: usize| (r[k] * scale[k]) as f32 - (diagonal * z[k] - sums[k]);
+            *out = std::array::from_fn(|k| z[k] + SMOOTHING * rest(k) / diagonal);
+            std::array::from_fn(|k| r[k] * f64::from(out[k]))
+        })
+    }
+
+    /// Direction p = M^-1 r + beta p and product A p; returns p . A p.
+    fn turn(&mut self, matrix: &Matrix, beta: &[f64; K]) -> [f64; K] {
+        let preconditioned = &self.preconditioned;
+        let directions = self.direction.par_iter_mut().zip(preconditioned).with_min_len(CHUNK);
+        directions.for_each(|(direction, z)| {
+            // What an earlier solve left behind may not be finite.
+            let before = |k: usize| if beta[k] == 0.0 { 0.0 } else { beta[k] * direction[k] };
+            *direction = std::array::from_fn(|k| f64::from(z[k]) + before(k));
+        });
+        let direction = &self.direction;
+        matrix.pass(direction, &mut self.product, &mut self.partial, |row, sums: [f64; K], product| {
+            let own = &direction[row];
+            *product = std::array::from_fn(|k| matrix.diagonal[row] * own[k] - sums[k]);
+            std::array::from_fn(|k| own[k] * product[k])
+        })
+    }
+
+    /// x += alpha p, r -= alpha A p, and the first smoothing of r; returns |r|^2.
+    fn advance(&mut self, matrix: &Matrix, x: &mut [[f64; K]], alpha: &[f64; K], scale: &[f64; K]) -> [f64; K] {
+        let Self { residual, direction, product, smoothed, partial, .. } = self;
+        partial.resize(residual.len().div_ceil(CHUNK), [0.0; K]);
+        let values = (x.par_chunks_mut(CHUNK), residual.par_chunks_mut(CHUNK), smoothed.par_chunks_mut(CHUNK));
+        let chunks = (values.0, values.1, values.2, &mut *partial).into_par_iter().enumerate();
+        chunks.for_each(|(chunk, (x, residual, smoothed, partial))| {
+            *partial = [0.0; K];
+            for (i, ((x, r), z)) in x.iter_mut().zip(residual).zip(smoothed).enumerate() {
+                let row = chunk * CHUNK + i;
+                for k in 0..K {
+                    x[k] += alpha[k] * direction[row][k];
+                    r[k] -= alpha[k] * product[row][k];
+                    partial[k] += r[k] * r[k];
+                }
+                *z = smooth(r, scale, matrix.diagonal[row]);
+            }
+        });
+        parallel::total(partial)
+    }
+}
+
+impl ConjugateGradient<1> {
+    /// Solves one system.
+    pub fn solve_one(
+        &mut self,
+        matrix: &Matrix,
+        preconditioner: &Multigrid,
+        b: &[f64],
+        x: &mut [f64],
+        parameters: &SolveParameters,
+    ) -> Outcome {
+        self.solve(matrix, preconditioner, b.as_chunks().0, x.as_chunks_mut().0, parameters)
+    }
+}
+
+/// One damped Jacobi step from zero.
+fn smooth<const K: usize>(residual: &[f64; K], scale: &[f64; K], diagonal: f64) -> [f32; K] {
+    let share = f64::from(SMOOTHING) / diagonal;
+    std::array::from_fn(|k| (residual[k] * scale[k] * share) as f32)
 }
 
 #[cfg(test)]
@@ -115,8 +211,8 @@ mod tests {
         let mut triplets = Vec::new();
         for row in 0..matrix.size() {
             triplets.push(Triplet::new(row, row, matrix.diagonal[row]));
-            let entries = matrix.entries.of(row).iter();
-            triplets.extend(entries.map(|entry| Triplet::new(row, entry.column as usize, -entry.weight)));
+            let entries = matrix.entries(row);
+            triplets.extend(entries.map(|entry| Triplet::new(row, entry.column as usize, -f64::from(entry.weight))));
         }
         let sparse =
             SparseColMat::<usize, f64>::try_new_from_triplets(matrix.size(), matrix.size(), &triplets).unwrap();
@@ -128,11 +224,11 @@ mod tests {
 
     #[test]
     fn agrees_with_a_direct_solve() {
-        let (matrix, mut multigrid, b) = system(40);
+        let (matrix, multigrid, b) = system(40);
         let expected = cholesky(&matrix, &b);
         let parameters = SolveParameters { tolerance: 1e-11, maximum_iterations: 100 };
         let mut x = vec![0.0; b.len()];
-        let outcome = ConjugateGradient::default().solve(&matrix, &mut multigrid, &b, &mut x, &parameters);
+        let outcome = ConjugateGradient::default().solve_one(&matrix, &multigrid, &b, &mut x, &parameters);
         let largest = expected.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let worst = x.iter().zip(&expected).map(|(a, e)| (a - e).abs()).fold(0.0, f64::max);
         assert!(worst < 1e-8 * largest, "largest difference {worst} against {largest}, {outcome:?}");
@@ -144,9 +240,9 @@ mod tests {
         let iterations: Vec<usize> = [24, 48, 96, 192]
             .into_iter()
             .map(|side| {
-                let (matrix, mut multigrid, b) = system(side);
+                let (matrix, multigrid, b) = system(side);
                 let mut x = vec![0.0; b.len()];
-                ConjugateGradient::default().solve(&matrix, &mut multigrid, &b, &mut x, &parameters).iterations
+                ConjugateGradient::default().solve_one(&matrix, &multigrid, &b, &mut x, &parameters).iterations
             })
             .collect();
         assert!(iterations.iter().all(|&count| count <= 13), "iterations {iterations:?} for 576 to 36864 unknowns");

@@ -49,7 +49,7 @@ pub struct Workspace {
     pub(crate) prepared: Prepared,
     pub(crate) accurate: voronoi::prepare::Prepared,
     pub(crate) candidate: Option<State>,
-    pub(crate) solve: ConjugateGradient,
+    pub(crate) solve: ConjugateGradient<1>,
     pub(crate) target: Motion,
     /// The body when the particles stand where a step has brought them.
     pub(crate) after: Motion,
@@ -144,7 +144,6 @@ impl Solver {
             velocities: self.start.iter().map(|place| self.setting.geometry.start.at(place)).collect(),
             pressures: vec![0.0; count],
             volumes: self.volumes.clone(),
-            responses: Vec::new(),
             number_densities: vec![self.setting.kernel.reference_density; count],
             surface: vec![false; count],
             lost: 0,

@@ -30,9 +30,6 @@ pub struct State {
     pub pressures: Vec<f64>,
     /// Areas that the particles own \[m2\].
     pub volumes: Vec<f64>,
-    /// Pressures for unit accelerations of the active coordinates, as of the last internal step: the guess of the next.
-    /// One list per coordinate, empty before the first step.
-    pub responses: Vec<Vec<f64>>,
     /// Number densities (dimensionless sums of weights).
     pub number_densities: Vec<f64>,
     /// Whether the particle lies on the free surface.

@@ -84,10 +84,6 @@ impl Solver {
         let mut watch = Watch::start();
         voronoi::step::add_body_load(state, &workspace.accurate, setting, pace.share);
         let responses = &workspace.accurate.responses;
-        state.responses.resize_with(responses.pressures().len(), Vec::new);
-        for (guess, response) in state.responses.iter_mut().zip(responses.pressures()) {
-            guess.clone_from(response);
-        }
         for (sum, value) in state.added_mass.iter_mut().zip(&responses.added_mass) {
             *sum += value * pace.share;
         }
@@ -140,9 +136,9 @@ impl Solver {
     /// Unit responses, and the pressure with the body accelerating as at the end of the last step: both depend on the
     /// state alone. `workspace.solution` holds the first guess.
     fn prepare_responses(&self, state: &State, workspace: &mut Workspace, report: &mut Report) -> Result<(), Error> {
-        let Workspace { accurate: prepared, solve, .. } = &mut *workspace;
+        let prepared = &mut workspace.accurate;
         let voronoi::prepare::Prepared { matrix, multigrid, responses, .. } = prepared;
-        responses.solve(&self.setting, &state.responses, matrix, multigrid, solve);
+        responses.solve(&self.setting, matrix, multigrid);
         report.iterations += responses.iterations;
         prepared.accelerations.clone_from(&state.motion.acceleration);
         self.solve_for_walls(state.time, workspace, report)?;
@@ -160,7 +156,7 @@ impl Solver {
             parallel::fill(right_side, |i| prepared.source[i] + prepared.wall_source(&self.setting, i));
         }
         let parameters = &self.setting.parameters.solve;
-        let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
+        let outcome = solve.solve_one(&prepared.matrix, &prepared.multigrid, right_side, solution, parameters);
         self.account(&outcome, size, time, report)
     }
 
@@ -234,7 +230,7 @@ impl Solver {
             parallel::fill(solution, |row| state.pressures[prepared.matrix.particles[row] as usize]);
         }
         let parameters = &self.setting.parameters.solve;
-        let outcome = solve.solve(&prepared.matrix, &mut prepared.multigrid, right_side, solution, parameters);
+        let outcome = solve.solve_one(&prepared.matrix, &prepared.multigrid, right_side, solution, parameters);
         self.account(&outcome, size, state.time, report)?;
         let rows = &prepared.matrix.rows;
         parallel::fill(&mut state.pressures, |i| if rows[i] == NO_ROW { 0.0 } else { solution[rows[i] as usize] });

@@ -32,6 +32,20 @@ pub struct MovingFacet {
     pub wall: WallFacet,
 }
 
+/// Unit responses that are solved for at once.
+const WIDTH: usize = 4;
+
+/// The systems of up to `WIDTH` active coordinates, side by side; what is left over is zero.
+#[derive(Debug, Clone, Default)]
+struct Block {
+    right: Vec<[f64; WIDTH]>,
+    /// Pressure for a unit acceleration of each coordinate \[Pa s2/m, Pa s2, modal\].
+    pressure: Vec<[f64; WIDTH]>,
+    product: Vec<[f64; WIDTH]>,
+    solver: ConjugateGradient<WIDTH>,
+    partial: Vec<[f64; WIDTH]>,
+}
+
 /// The facets on moving walls with their work, and what the water answers to unit accelerations.
 #[derive(Debug, Clone, Default)]
 pub struct Responses {
@@ -46,9 +60,7 @@ pub struct Responses {
     size: usize,
     /// Coordinates that answer to the load.
     active: Vec<usize>,
-    right_sides: Vec<Vec<f64>>,
-    /// Pressure for a unit acceleration of each active coordinate \[Pa s2/m, Pa s2, modal\].
-    pressures: Vec<Vec<f64>>,
+    blocks: Vec<Block>,
     /// Added mass of all coordinates, row after row; zero where one of the two is not active.
     pub added_mass: Vec<f64>,
     /// Iterations of the solver that the unit responses took.
@@ -96,59 +108,51 @@ impl Responses {
         self.facets.iter().zip(self.work.chunks_exact(self.size.max(1)))
     }
 
-    /// Solves for the unit responses of the active coordinates, from `guesses` as far as there are any.
-    pub fn solve(
-        &mut self,
-        setting: &Setting,
-        guesses: &[Vec<f64>],
-        matrix: &Matrix,
-        multigrid: &mut Multigrid,
-        solver: &mut ConjugateGradient,
-    ) {
+    /// Solves for the unit responses of the active coordinates.
+    pub fn solve(&mut self, setting: &Setting, matrix: &Matrix, multigrid: &Multigrid) {
         let (active, density) = (&setting.geometry.active, setting.parameters.density);
-        let count = matrix.size();
-        self.active.clear();
-        self.active.extend_from_slice(active);
+        self.active.clone_from(active);
         self.iterations = 0;
-        self.right_sides.resize_with(active.len(), Vec::new);
-        self.pressures.resize_with(active.len(), Vec::new);
         let parameters = &setting.parameters.solve;
         let parameters = SolveParameters { tolerance: TOLERANCE.max(parameters.tolerance), ..parameters.clone() };
-        for (k, &coordinate) in active.iter().enumerate() {
-            let mut right_side = std::mem::take(&mut self.right_sides[k]);
-            right_side.clear();
-            right_side.resize(count, 0.0);
+        let mut blocks = std::mem::take(&mut self.blocks);
+        blocks.resize_with(active.len().div_ceil(WIDTH), Block::default);
+        for (block, coordinates) in blocks.iter_mut().zip(active.chunks(WIDTH)) {
+            block.clear(matrix.size());
             for (facet, work) in self.facets_with_work() {
-                right_side[facet.particle as usize] -= density * facet.wall.facet.length() * work[coordinate];
-            }
-            let pressure = &mut self.pressures[k];
-            match guesses.get(k).filter(|guess| guess.len() == count) {
-                Some(guess) => pressure.clone_from(guess),
-                None => {
-                    pressure.clear();
-                    pressure.resize(count, 0.0);
+                let right = &mut block.right[facet.particle as usize];
+                for (right, &coordinate) in right.iter_mut().zip(coordinates) {
+                    *right -= density * facet.wall.facet.length() * work[coordinate];
                 }
             }
-            self.iterations += solver.solve(matrix, multigrid, &right_side, pressure, &parameters).iterations;
-            self.right_sides[k] = right_side;
+            let Block { right, pressure, product, solver, partial } = block;
+            self.iterations += solver.solve(matrix, multigrid, right, pressure, &parameters).iterations;
+            matrix.product(pressure, product, partial);
         }
-        self.find_added_mass(density, matrix);
+        self.blocks = blocks;
+        self.find_added_mass(density);
     }
 
     /// M from the unit responses, corrected by their residuals: its error is the square of theirs.
-    fn find_added_mass(&mut self, density: f64, matrix: &Matrix) {
-        let count = matrix.size();
-        let mut partial = Vec::new();
+    fn find_added_mass(&mut self, density: f64) {
         let mut answer = DMatrix::<f64>::zeros(self.active.len(), self.active.len());
-        for k in 0..self.active.len() {
-            let (right, pressure) = (&self.right_sides[k], &self.pressures[k]);
-            for l in 0..self.active.len() {
-                let (right_of_l, pressure_of_l) = (&self.right_sides[l], &self.pressures[l]);
-                answer[(l, k)] = parallel::sum(count, &mut partial, |i| {
-                    let residual = right[i] - matrix.row_product(i, pressure);
-                    right_of_l[i] * pressure[i] + pressure_of_l[i] * residual
+        for column in 0..self.blocks.len() {
+            // The partial sums move out so that this block can be compared with all.
+            let mut partial = std::mem::take(&mut self.blocks[column].partial);
+            for row in 0..self.active.len() {
+                let (left, lane) = (&self.blocks[row / WIDTH], row % WIDTH);
+                let block = &self.blocks[column];
+                let sums = parallel::sums(block.right.len(), &mut partial, |i| {
+                    let (right, pressure, product) = (&block.right[i], &block.pressure[i], &block.product[i]);
+                    std::array::from_fn(|k| {
+                        left.right[i][lane] * pressure[k] + left.pressure[i][lane] * (right[k] - product[k])
+                    })
                 });
+                for (k, sum) in sums.into_iter().enumerate().take(self.active.len() - column * WIDTH) {
+                    answer[(row, column * WIDTH + k)] = sum;
+                }
             }
+            self.blocks[column].partial = partial;
         }
         self.added_mass.clear();
         self.added_mass.resize(self.size * self.size, 0.0);
@@ -169,15 +173,23 @@ impl Responses {
         }
     }
 
-    /// The unit responses, one list per active coordinate \[Pa s2/m, Pa s2, modal\].
-    pub fn pressures(&self) -> &[Vec<f64>] {
-        &self.pressures
-    }
-
     /// Adds the pressure that the accelerations `change` of all coordinates cause.
     pub fn add(&self, change: &DVector<f64>, pressures: &mut [f64]) {
-        let terms: Vec<(f64, &[f64])> =
-            self.active.iter().zip(&self.pressures).map(|(&k, unit)| (change[k], unit.as_slice())).collect();
-        parallel::update(pressures, |i, old| old + terms.iter().map(|(factor, unit)| factor * unit[i]).sum::<f64>());
+        for (block, coordinates) in self.blocks.iter().zip(self.active.chunks(WIDTH)) {
+            let mut factors = [0.0; WIDTH];
+            factors.iter_mut().zip(coordinates).for_each(|(factor, &coordinate)| *factor = change[coordinate]);
+            parallel::update(pressures, |i, old| {
+                old + factors.iter().zip(&block.pressure[i]).map(|(factor, unit)| factor * unit).sum::<f64>()
+            });
+        }
+    }
+}
+
+impl Block {
+    fn clear(&mut self, size: usize) {
+        for vector in [&mut self.right, &mut self.pressure, &mut self.product] {
+            vector.clear();
+            vector.resize(size, [0.0; WIDTH]);
+        }
     }
 }
