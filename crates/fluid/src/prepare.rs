@@ -54,6 +54,7 @@ pub struct Pace {
 #[derive(Debug, Clone)]
 pub struct Prepared {
     key: Option<(u64, u64)>,
+    partial: Vec<u64>,
     /// Time at the start of the step \[s\].
     pub time: f64,
     /// Foretold coordinates of the body, where walls stand during the step.
@@ -88,6 +89,7 @@ impl Prepared {
     pub fn new(modes: usize) -> Self {
         Self {
             key: None,
+            partial: Vec::new(),
             time: 0.0,
             foretold: Motion::at_rest(modes),
             walls: Walls::default(),
@@ -116,7 +118,7 @@ impl Prepared {
     pub fn update(&mut self, setting: &Setting, state: &State, pace: Pace, stages: &mut StageTimes) -> bool {
         let mut watch = Watch::start();
         let time_step = pace.time_step;
-        let key = Some((state.fingerprint(), time_step.to_bits()));
+        let key = Some((state.fingerprint(&mut self.partial), time_step.to_bits()));
         if self.key == key {
             return false;
         }

@@ -1,7 +1,9 @@
 //! Everything that must survive a step.
 
+use crate::parallel::CHUNK;
 use kinematics::Motion;
 use nalgebra::Vector2;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// State of the fluid at one time. One entry per particle in each field.
@@ -39,23 +41,36 @@ pub struct State {
 }
 
 impl State {
-    /// A number that tells states apart: a hash of time, motion and particles.
-    pub fn fingerprint(&self) -> u64 {
-        let mut hash = Hash(0xcbf2_9ce4_8422_2325);
+    /// A number that tells states apart: a hash of time, motion and particles. `partial` is scratch.
+    pub fn fingerprint(&self, partial: &mut Vec<u64>) -> u64 {
+        let mut hash = Hash(SEED);
         hash.add(self.steps);
         hash.add(self.time.to_bits());
         hash.add(self.time_step.to_bits());
         for part in [&self.motion.position, &self.motion.velocity, &self.motion.acceleration] {
             part.iter().for_each(|value| hash.add(value.to_bits()));
         }
-        for vector in self.positions.iter().chain(&self.velocities) {
-            hash.add(vector.x.to_bits());
-            hash.add(vector.y.to_bits());
-        }
-        self.pressures.iter().for_each(|value| hash.add(value.to_bits()));
+        partial.resize(self.positions.len().div_ceil(CHUNK), 0);
+        let parts =
+            (self.positions.par_chunks(CHUNK), self.velocities.par_chunks(CHUNK), self.pressures.par_chunks(CHUNK));
+        (parts.0, parts.1, parts.2, &mut *partial).into_par_iter().for_each(
+            |(positions, velocities, pressures, hash)| {
+                let mut part = Hash(SEED);
+                for vector in positions.iter().chain(velocities) {
+                    part.add(vector.x.to_bits());
+                    part.add(vector.y.to_bits());
+                }
+                pressures.iter().for_each(|value| part.add(value.to_bits()));
+                *hash = part.0;
+            },
+        );
+        partial.iter().for_each(|&part| hash.add(part));
         hash.0
     }
 }
+
+/// What a hash begins with.
+const SEED: u64 = 0xcbf2_9ce4_8422_2325;
 
 struct Hash(u64);
 

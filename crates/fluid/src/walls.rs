@@ -240,11 +240,11 @@ impl Walls {
         self.candidates(a).iter().any(|&segment| self.segments[segment as usize].is_crossed(a, b))
     }
 
-    /// Whether a wall hides two points from each other. Across the corner of a solid, with less than a spacing of it
-    /// between them, they see each other: the water goes round.
-    pub fn hides(&self, a: &Vector2<f64>, b: &Vector2<f64>) -> bool {
+    /// Whether one of the walls among `candidates` hides two points from each other. Across the corner of a solid, with
+    /// less than a spacing of it between them, they see each other: the water goes round.
+    pub fn hide(&self, candidates: &[u32], a: &Vector2<f64>, b: &Vector2<f64>) -> bool {
         let mut crossed: [Option<&Segment>; 2] = [None, None];
-        for &segment in self.candidates(a) {
+        for &segment in candidates {
             let segment = &self.segments[segment as usize];
             if segment.is_crossed(a, b) {
                 match crossed {

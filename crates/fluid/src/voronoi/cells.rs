@@ -1,7 +1,7 @@
 //! The cells of all particles.
 
 use super::cell::{Bound, Cell, FAR, Facet, Shape, wall_of};
-use super::cut::{self, Cuttings, NEAR};
+use super::cut::{self, Cuttings, GRID};
 use super::polygon::{self, Corner, Plane};
 use crate::grid::Grid;
 use crate::parallel::{self, CHUNK, Lists};
@@ -90,7 +90,7 @@ impl Cells {
     /// Builds all cells.
     pub fn build(&mut self, setup: &Setup) {
         let count = setup.positions.len();
-        self.grid.build(setup.positions, NEAR * setup.spacing);
+        self.grid.build(setup.positions, GRID * setup.spacing);
         self.room.resize(count, 0.0);
         self.cells.resize(count, Cell::default());
         let Self { grid, sure, corners, planes, room, cells, .. } = &mut *self;

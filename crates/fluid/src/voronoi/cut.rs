@@ -15,8 +15,13 @@ use rayon::prelude::*;
 const BOX: f64 = FAR;
 /// Distance in front of its wall, in spacings, from which a particle nearer or behind looks around.
 const LEAST_IN_FRONT: f64 = 0.02;
-/// Distance in spacings up to which neighbours are looked for first, and size of the cells of the search grid.
-pub const NEAR: f64 = 1.7;
+/// Size of the cells of the search grid in spacings.
+pub const GRID: f64 = 1.0;
+/// Cells around its own in which a particle looks for neighbours first, and how far that lets it see, in spacings.
+const RINGS: i64 = 2;
+const NEAR: f64 = RINGS as f64 * GRID;
+/// Cells in which it looks where these do not close its cell.
+const ALL_RINGS: i64 = (2.0 * BOX / GRID).ceil() as i64;
 /// Share of `OPEN` up to which rounding does not decide whether a corner lies in empty space.
 const SURE: f64 = 0.99;
 
@@ -67,7 +72,10 @@ impl WithSimd for CutChunk<'_, '_> {
         for (k, (room, cell)) in room.iter_mut().zip(cells).enumerate() {
             let i = first + k;
             let here = setup.positions[i];
-            let view = View { setup, grid, i, here, walls: setup.walls.candidates(&here) };
+            let walls = setup.walls.candidates(&here);
+            let distances = walls.iter().map(|&wall| setup.walls.segments[wall as usize].squared_distance(&here));
+            let nearest_wall = distances.fold(f64::INFINITY, f64::min);
+            let view = View { setup, grid, i, here, walls, nearest_wall };
             *cell = cut_one(simd, &view, around, facets.items, corners.items, planes.items);
             *room = cell.area / setup.volumes[i];
             facets.end();
@@ -83,7 +91,9 @@ struct View<'a, 'b> {
     grid: &'a Grid,
     i: usize,
     here: Vector2<f64>,
+    /// Walls that may be near, and the squared distance of the nearest \[m2\].
     walls: &'a [u32],
+    nearest_wall: f64,
 }
 
 /// One cell: with its facets where these are sure to be seen alike from both sides, with its outline elsewhere.
@@ -98,10 +108,8 @@ fn cut_one<S: Simd>(
 ) -> Cell {
     let begin = corners.len();
     let reach = surround(simd, view, around, corners);
-    let setup = view.setup;
-    let near = |&segment: &u32| setup.walls.segments[segment as usize].squared_distance(&view.here) < reach;
-    let walls = view.walls.iter().any(near);
-    if !walls && reach <= (SURE * OPEN * setup.spacing).powi(2) {
+    let walls = view.nearest_wall < reach;
+    if !walls && reach <= (SURE * OPEN * view.setup.spacing).powi(2) {
         let cell = close(around, &corners[begin..], facets);
         corners.truncate(begin);
         return cell;
@@ -119,7 +127,7 @@ fn surround<S: Simd>(simd: S, view: &View, around: &mut Surroundings, corners: &
     let spacing = view.setup.spacing;
     let (slack, own) = (SLACK * spacing, view.i as u32);
     around.clear();
-    gather(view, 1, [0.0, NEAR], around);
+    gather(view, RINGS, [0.0, NEAR], around);
     let begin = corners.len();
     let reach = around.walk(simd, own, slack, corners);
     if 4.0 * reach <= (NEAR * spacing).powi(2) {
@@ -127,7 +135,7 @@ fn surround<S: Simd>(simd: S, view: &View, around: &mut Surroundings, corners: &
     }
     // Most cells are finished by the nearest neighbours; only cells at surfaces and voids look farther.
     around.put_box(BOX * spacing);
-    gather(view, 2, [NEAR, 2.0 * BOX], around);
+    gather(view, ALL_RINGS, [NEAR, 2.0 * BOX], around);
     corners.truncate(begin);
     around.walk(simd, own, slack, corners)
 }
@@ -135,7 +143,8 @@ fn surround<S: Simd>(simd: S, view: &View, around: &mut Surroundings, corners: &
 /// Adds the particles between two distances, in spacings, that no wall hides.
 #[inline(always)]
 fn gather(view: &View, rings: i64, distances: [f64; 2], around: &mut Surroundings) {
-    let View { setup, grid, i, here, walls } = view;
+    let View { setup, grid, i, here, walls, nearest_wall } = view;
+    let first = around.count();
     let squares = distances.map(|distance| (distance * setup.spacing).powi(2));
     grid.for_each_row(
         here,
@@ -143,8 +152,8 @@ fn gather(view: &View, rings: i64, distances: [f64; 2], around: &mut Surrounding
         #[inline(always)]
         |row| around.put_row(here, *i as u32, &row, squares),
     );
-    if !walls.is_empty() {
-        around.retain(|j| !setup.walls.hides(here, &setup.positions[j]));
+    if *nearest_wall < squares[1] {
+        around.retain(first, *nearest_wall, |j| !setup.walls.hide(walls, here, &setup.positions[j]));
     }
 }
 

@@ -42,7 +42,10 @@ impl Groups {
                 let tied = |j: &u32| *j >= first;
                 for j in ties(cells, first + k).filter(earlier) {
                     if tied(&j) {
-                        join(leader, k, j - first);
+                        // Most ties are between cells that hang together already.
+                        if leader[k as usize] != leader[(j - first) as usize] {
+                            join(leader, k, j - first);
+                        }
                     } else {
                         across.items.push((first + k, j));
                     }
@@ -89,7 +92,12 @@ impl Groups {
 
 /// Cells that cell i is tied to.
 fn ties(cells: &Cells, i: u32) -> impl Iterator<Item = u32> {
-    cells.facets.of(i as usize).iter().filter(|facet| facet.weight() >= STRONG).map(|facet| facet.neighbour)
+    cells
+        .facets
+        .of(i as usize)
+        .iter()
+        .filter(|facet| facet.length() >= STRONG * 2.0 * facet.height)
+        .map(|facet| facet.neighbour)
 }
 
 /// Makes one group of those of two members: its leader is the first of all.

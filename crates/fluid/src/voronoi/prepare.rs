@@ -19,6 +19,7 @@ use nalgebra::{DVector, Matrix2, Vector2};
 #[derive(Debug, Clone)]
 pub struct Prepared {
     key: Option<(u64, u64)>,
+    partial: Vec<u64>,
     /// State whose cells these are; none with a body, where they depend on the time step too.
     cells_of: Option<u64>,
     /// Time at the start of the step \[s\].
@@ -62,6 +63,7 @@ impl Default for Prepared {
     fn default() -> Self {
         Self {
             key: None,
+            partial: Vec::new(),
             cells_of: None,
             time: 0.0,
             middle: Motion::at_rest(0),
@@ -95,7 +97,7 @@ impl Prepared {
         stages: &mut StageTimes,
     ) -> bool {
         let mut watch = Watch::start();
-        let fingerprint = state.fingerprint();
+        let fingerprint = state.fingerprint(&mut self.partial);
         let key = Some((fingerprint, pace.time_step.to_bits()));
         if self.key == key {
             return false;
@@ -145,7 +147,7 @@ impl Prepared {
         if setting.geometry.body.is_some() {
             return None;
         }
-        let fingerprint = state.fingerprint();
+        let fingerprint = state.fingerprint(&mut self.partial);
         if self.cells_of != Some(fingerprint) {
             self.key = None;
         }

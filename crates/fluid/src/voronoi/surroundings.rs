@@ -101,11 +101,18 @@ impl Surroundings {
         self.count = count;
     }
 
-    /// Keeps the particles that `keep` says.
-    pub fn retain(&mut self, keep: impl Fn(usize) -> bool) {
-        let mut kept = 0;
-        for at in 0..self.count {
-            if self.label[at] == BOX || keep(self.label[at] as usize) {
+    /// Number of lanes in use.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Of the lanes from `first` on, keeps those nearer than the square `near`, and those that `keep` says.
+    pub fn retain(&mut self, first: usize, near: f64, keep: impl Fn(usize) -> bool) {
+        let mut kept = first;
+        for at in first..self.count {
+            let squared = self.x[at] * self.x[at] + self.y[at] * self.y[at];
+            if squared < near || self.label[at] == BOX || keep(self.label[at] as usize) {
                 self.x[kept] = self.x[at];
                 self.y[kept] = self.y[at];
                 self.label[kept] = self.label[at];
