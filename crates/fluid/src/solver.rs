@@ -198,7 +198,7 @@ impl Solver {
     pub fn begin(&self, state: &mut State, workspace: &mut Workspace) -> Result<Report, Error> {
         let mut report = Report::default();
         let time_step = self.limits_now(state).stable_step();
-        let pace = Pace { time_step, stable_step: time_step, share: 1.0 };
+        let pace = Pace { time_step, kick: time_step, stable_step: time_step, share: 1.0 };
         workspace.target.clone_from(&state.motion);
         self.pool.install(|| self.find_load(state, pace, workspace, &mut report))?;
         Ok(report)
@@ -263,7 +263,8 @@ impl Solver {
             target.clone_from(end);
             interpolate(&start.motion, end, duration, done / duration, &mut target);
             workspace.target = target;
-            let pace = Pace { time_step, stable_step: now.stable_step(), share: time_step / duration };
+            let kick = self.kick(candidate.time_step, time_step);
+            let pace = Pace { time_step, kick, stable_step: now.stable_step(), share: time_step / duration };
             self.internal_step(candidate, pace, workspace, &mut report)?;
             candidate.time = start.time + done;
         }
@@ -271,6 +272,12 @@ impl Solver {
         candidate.acceleration.copy_from_slice(mean.as_slice());
         report.suggested_step = SUGGESTED_SHARE * self.limits_now(candidate).stable_step();
         Ok(report)
+    }
+
+    /// Time over which forces act in a step of length `time_step` after one of length `last`. Where coordinates answer to
+    /// the load it is the length of the step: the impulse on them is that of the step.
+    fn kick(&self, last: f64, time_step: f64) -> f64 {
+        if last > 0.0 && self.setting.geometry.active.is_empty() { 0.5 * (last + time_step) } else { time_step }
     }
 
     /// Limits of the next internal step from the state alone.

@@ -88,7 +88,7 @@ impl Solver {
             *sum += value * pace.share;
         }
         workspace.before.clone_from(&state.positions);
-        voronoi::step::correct(state, &workspace.accurate, setting, pace.time_step);
+        voronoi::step::correct(state, &workspace.accurate, setting, pace);
         voronoi::step::shift(state, &workspace.accurate, setting, accurate, pace.time_step, &mut workspace.vectors);
         foretell(&workspace.target, 0.5 * pace.time_step, &mut workspace.after);
         report.contacts += self.keep_in_front(state, workspace);
@@ -120,13 +120,13 @@ impl Solver {
                 self.prepare_responses(state, workspace, report)?;
             }
             let Workspace { accurate: prepared, surplus, solution, target, .. } = &mut *workspace;
-            mean_acceleration(target, &state.motion, pace.time_step, surplus);
+            mean_acceleration(target, &state.motion, pace.kick, surplus);
             *surplus -= &state.motion.acceleration;
             solution.clone_from(&prepared.base);
             prepared.responses.add(surplus, solution);
         }
         let accelerations = &mut workspace.accurate.accelerations;
-        mean_acceleration(&workspace.target, &state.motion, pace.time_step, accelerations);
+        mean_acceleration(&workspace.target, &state.motion, pace.kick, accelerations);
         self.solve_for_walls(state.time, workspace, report)?;
         state.pressures.copy_from_slice(&workspace.solution);
         watch.lap(&mut report.stages.solve);

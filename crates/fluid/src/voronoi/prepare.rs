@@ -98,7 +98,7 @@ impl Prepared {
     ) -> bool {
         let mut watch = Watch::start();
         let fingerprint = state.fingerprint(&mut self.partial);
-        let key = Some((fingerprint, pace.time_step.to_bits()));
+        let key = Some((fingerprint, pace.time_step.to_bits() ^ pace.kick.to_bits().rotate_left(1)));
         if self.key == key {
             return false;
         }
@@ -110,7 +110,7 @@ impl Prepared {
             self.responses.collect(&self.cells, &setting.layout, body, &self.middle.position);
         }
         watch.lap(&mut stages.neighbours);
-        self.predict(setting, state, pace.time_step);
+        self.predict(setting, state, pace);
         self.smooth(accurate, state, pace.time_step);
         self.build_source(setting, accurate, state, pace);
         self.matrix.assemble_cells(&self.cells);
@@ -166,14 +166,15 @@ impl Prepared {
     }
 
     /// u* = u + f dt, and its gradient.
-    fn predict(&mut self, setting: &Setting, state: &State, time_step: f64) {
+    fn predict(&mut self, setting: &Setting, state: &State, pace: Pace) {
+        let Pace { time_step, kick, .. } = pace;
         let count = state.positions.len();
         self.forces.resize(count, Vector2::zeros());
         self.velocities.resize(count, Vector2::zeros());
         self.gradients.resize(count, Matrix2::zeros());
         parallel::fill(&mut self.forces, |i| setting.parameters.body_force(&state.positions[i], state.time));
         let forces = &self.forces;
-        parallel::fill(&mut self.velocities, |i| state.velocities[i] + forces[i] * time_step);
+        parallel::fill(&mut self.velocities, |i| state.velocities[i] + forces[i] * kick);
         let (cells, velocities) = (&self.cells, &self.velocities);
         parallel::fill(&mut self.gradients, |i| {
             let gradient = operators::velocity_gradient(cells, i, &state.positions, velocities);
@@ -208,9 +209,9 @@ impl Prepared {
     }
 
     /// Right side of A p = b, from the demand that areas are right at the end of the step:
-    /// (V - V0) share / dt + D u* + dt V det grad u* = dt / rho (-A p).
+    /// (V - V0) share / dt + D u* + dt V det grad u* = k / rho (-A p) with the time k over which forces act.
     fn build_source(&mut self, setting: &Setting, accurate: &AccurateParameters, state: &State, pace: Pace) {
-        let time_step = pace.time_step;
+        let Pace { time_step, kick, .. } = pace;
         let share = accurate.alpha * (time_step / pace.stable_step).min(1.0);
         let density = setting.parameters.density;
         let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
@@ -232,16 +233,16 @@ impl Prepared {
                 rate += trust * outward.dot(&(gradients[i] * outward)) * cell.depth / outward.norm();
             }
             rate += share * excess / time_step;
-            let mut value = -density * rate / time_step;
+            let mut value = -density * rate / kick;
             // What the wall must do beyond the body force: fillers move with the water, fixed walls stop it.
             for wall in cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
                 let normal = wall.facet.normal * (density * wall.facet.length());
-                value += if wall.filler { forces[i].dot(&normal) } else { velocities[i].dot(&normal) / time_step };
+                value += if wall.filler { forces[i].dot(&normal) } else { velocities[i].dot(&normal) / kick };
             }
             for (moving, work) in responses.of(i) {
                 let facet = &moving.wall.facet;
                 let closing = velocities[i].dot(&facet.normal) - Responses::normal_rate(work, rates);
-                value += density * facet.length() * closing / time_step;
+                value += density * facet.length() * closing / kick;
             }
             value
         });

@@ -5,7 +5,7 @@ use super::operators;
 use super::prepare::Prepared;
 use crate::parallel::{self, CHUNK};
 use crate::parameters::AccurateParameters;
-use crate::prepare::Setting;
+use crate::prepare::{Pace, Setting};
 use crate::state::State;
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -16,8 +16,9 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 const SMALLEST: f64 = 0.5;
 const LARGEST: f64 = 2.0;
 
-/// u = u* - dt grad p / rho, r = r + dt u.
-pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_step: f64) {
+/// u = u* - k grad p / rho with the time k over which forces act, r = r + dt u.
+pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, pace: Pace) {
+    let Pace { time_step, kick, .. } = pace;
     let density = setting.parameters.density;
     let cells = &prepared.cells;
     let pressures = &state.pressures;
@@ -28,7 +29,7 @@ pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, time_s
         let sum = operators::pressure_difference(cells, i, pressures) + prepared.wall_difference(setting, i);
         let volume = volumes[i];
         let area = if cell.is_open() { volume } else { cell.area.clamp(SMALLEST * volume, LARGEST * volume) };
-        *velocity = prepared.velocities[i] - sum * (time_step / (density * area));
+        *velocity = prepared.velocities[i] - sum * (kick / (density * area));
         *position += *velocity * time_step;
     });
 }
