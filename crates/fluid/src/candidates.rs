@@ -1,6 +1,5 @@
 //! Cells that say which wall segments may be near a place.
 
-use crate::grid::bounding_box;
 use crate::walls::Segment;
 use nalgebra::Vector2;
 
@@ -13,19 +12,26 @@ pub struct CandidateCells {
     rows: usize,
     starts: Vec<u32>,
     members: Vec<u32>,
+    entries: Vec<(u32, u32)>,
 }
 
 impl CandidateCells {
     /// Enters every segment into the cells within `radius` of it \[m\]; the cells are as wide.
     pub fn build(&mut self, segments: &[Segment], radius: f64) {
-        let corners: Vec<_> = segments.iter().flat_map(|segment| [segment.start, segment.end()]).collect();
-        let (low, high) = bounding_box(&corners);
+        let Some(first) = segments.first() else {
+            *self = Self::default();
+            return;
+        };
+        let corners = segments.iter().flat_map(|segment| [segment.start, segment.end()]);
+        let (low, high) =
+            corners.fold((first.start, first.start), |(low, high), corner| (low.inf(&corner), high.sup(&corner)));
         let size = radius;
         self.origin = low.add_scalar(-2.0 * radius);
         self.inverse_size = 1.0 / size;
         self.columns = ((high.x - low.x + 4.0 * radius) / size) as usize + 1;
         self.rows = ((high.y - low.y + 4.0 * radius) / size) as usize + 1;
-        let mut entries = Vec::new();
+        let mut entries = std::mem::take(&mut self.entries);
+        entries.clear();
         for (index, segment) in segments.iter().enumerate() {
             self.mark(segment, radius, |cell| entries.push((cell as u32, index as u32)));
         }
@@ -33,13 +39,14 @@ impl CandidateCells {
         self.starts.clear();
         self.starts.resize(self.columns * self.rows + 1, 0);
         self.members.clear();
-        for (cell, segment) in entries {
+        for &(cell, segment) in &entries {
             self.starts[cell as usize + 1] += 1;
             self.members.push(segment);
         }
         for cell in 1..self.starts.len() {
             self.starts[cell] += self.starts[cell - 1];
         }
+        self.entries = entries;
     }
 
     fn mark(&self, segment: &Segment, radius: f64, mut enter: impl FnMut(usize)) {

@@ -24,8 +24,8 @@ pub fn interpolate(start: &Motion, end: &Motion, duration: f64, fraction: f64, o
 /// repeated step finds the same geometry.
 pub fn foretell(start: &Motion, time_step: f64, out: &mut Motion) {
     out.clone_from(start);
-    out.position += &start.velocity * time_step;
-    out.position += &start.acceleration * (0.5 * time_step * time_step);
+    out.position.axpy(time_step, &start.velocity, 1.0);
+    out.position.axpy(0.5 * time_step * time_step, &start.acceleration, 1.0);
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::grid::bounding_box;
 use crate::state::State;
+use nalgebra::Vector2;
 
 /// Internal steps between two sorts: particles travel a few spacings meanwhile.
 const EVERY: u64 = 32;
@@ -15,34 +16,45 @@ pub fn is_due(steps: u64) -> bool {
     steps.is_multiple_of(EVERY)
 }
 
-/// Puts particles in the order of a Hilbert curve through cells of two spacings, those of one cell by their old order.
-/// `keys` is scratch.
-pub fn sort(state: &mut State, spacing: f64, keys: &mut Vec<(u64, u32)>) {
-    let (low, _) = bounding_box(&state.positions);
-    let size = CELL * spacing;
-    let most = (1u32 << LEVELS) - 1;
-    let place = |value: f64| (value / size).min(f64::from(most)) as u32;
-    keys.clear();
-    keys.extend(state.positions.iter().enumerate().map(|(i, position)| {
-        let relative = position - low;
-        (along_curve(place(relative.x), place(relative.y)), i as u32)
-    }));
-    keys.sort_unstable();
-    if keys.iter().enumerate().all(|(k, &(_, i))| k == i as usize) {
-        return;
-    }
-    permute(&mut state.positions, keys);
-    permute(&mut state.velocities, keys);
-    permute(&mut state.pressures, keys);
-    permute(&mut state.volumes, keys);
-    permute(&mut state.number_densities, keys);
-    permute(&mut state.surface, keys);
+/// Scratch for putting particles in order.
+#[derive(Debug, Clone, Default)]
+pub struct Order {
+    keys: Vec<(u64, u32)>,
+    vectors: Vec<Vector2<f64>>,
+    numbers: Vec<f64>,
+    flags: Vec<bool>,
 }
 
-fn permute<T: Copy>(values: &mut Vec<T>, keys: &[(u64, u32)]) {
-    if values.len() == keys.len() {
-        *values = keys.iter().map(|&(_, i)| values[i as usize]).collect();
+impl Order {
+    /// Puts particles in the order of a Hilbert curve through cells of two spacings, those of one cell by their old order.
+    pub fn sort(&mut self, state: &mut State, spacing: f64) {
+        let Self { keys, vectors, numbers, flags } = self;
+        let (low, _) = bounding_box(&state.positions);
+        let size = CELL * spacing;
+        let most = (1u32 << LEVELS) - 1;
+        let place = |value: f64| (value / size).min(f64::from(most)) as u32;
+        keys.clear();
+        keys.extend(state.positions.iter().enumerate().map(|(i, position)| {
+            let relative = position - low;
+            (along_curve(place(relative.x), place(relative.y)), i as u32)
+        }));
+        keys.sort_unstable();
+        if keys.iter().enumerate().all(|(k, &(_, i))| k == i as usize) {
+            return;
+        }
+        permute(&mut state.positions, keys, vectors);
+        permute(&mut state.velocities, keys, vectors);
+        for values in [&mut state.pressures, &mut state.volumes, &mut state.number_densities] {
+            permute(values, keys, numbers);
+        }
+        permute(&mut state.surface, keys, flags);
     }
+}
+
+fn permute<T: Copy>(values: &mut Vec<T>, keys: &[(u64, u32)], scratch: &mut Vec<T>) {
+    scratch.clear();
+    scratch.extend(keys.iter().map(|&(_, i)| values[i as usize]));
+    std::mem::swap(values, scratch);
 }
 
 /// Place along the Hilbert curve of a cell (Hilbert 1891), quadrant by quadrant.

@@ -7,7 +7,7 @@ use crate::grid::bounding_box;
 use crate::kernel::Kernel;
 use crate::motion::interpolate;
 use crate::observe::{self, Observables};
-use crate::order;
+use crate::order::Order;
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
 use crate::parameters::{Geometry, PaperParameters, Parameters, Scheme};
@@ -64,7 +64,7 @@ pub struct Workspace {
     pub(crate) vectors: Vec<Vector2<f64>>,
     /// Positions before the particles were moved.
     pub(crate) before: Vec<Vector2<f64>>,
-    pub(crate) keys: Vec<(u64, u32)>,
+    pub(crate) order: Order,
 }
 
 impl Solver {
@@ -148,7 +148,7 @@ impl Solver {
             surface: vec![false; count],
             lost: 0,
         };
-        order::sort(&mut state, self.setting.spacing, &mut Vec::new());
+        Order::default().sort(&mut state, self.setting.spacing);
         state
     }
 
@@ -170,7 +170,7 @@ impl Solver {
             surplus: DVector::zeros(0),
             vectors: Vec::new(),
             before: Vec::new(),
-            keys: Vec::new(),
+            order: Order::default(),
         }
     }
 
@@ -259,17 +259,16 @@ impl Solver {
             let time_step = next_step(&limits, duration - done, candidate.time_step, candidate.time)?;
             let last = time_step >= duration - done;
             done = if last { duration } else { done + time_step };
-            let mut target = std::mem::replace(&mut workspace.target, Motion::at_rest(0));
-            target.clone_from(end);
-            interpolate(&start.motion, end, duration, done / duration, &mut target);
-            workspace.target = target;
+            workspace.target.clone_from(end);
+            interpolate(&start.motion, end, duration, done / duration, &mut workspace.target);
             let kick = self.kick(candidate.time_step, time_step);
             let pace = Pace { time_step, kick, stable_step: now.stable_step(), share: time_step / duration };
             self.internal_step(candidate, pace, workspace, &mut report)?;
             candidate.time = start.time + done;
         }
-        let mean = (&end.velocity - &start.motion.velocity) / duration;
-        candidate.acceleration.copy_from_slice(mean.as_slice());
+        for (k, mean) in candidate.acceleration.iter_mut().enumerate() {
+            *mean = (end.velocity[k] - start.motion.velocity[k]) / duration;
+        }
         report.suggested_step = SUGGESTED_SHARE * self.limits_now(candidate).stable_step();
         Ok(report)
     }
@@ -277,7 +276,8 @@ impl Solver {
     /// Time over which forces act in a step of length `time_step` after one of length `last`. Where coordinates answer to
     /// the load it is the length of the step: the impulse on them is that of the step.
     fn kick(&self, last: f64, time_step: f64) -> f64 {
-        if last > 0.0 && self.setting.geometry.active.is_empty() { 0.5 * (last + time_step) } else { time_step }
+        let smooth = last > 0.0 && self.setting.geometry.active.is_empty();
+        if smooth { (0.5 * (last + time_step)).min(LONGEST_KICK * time_step) } else { time_step }
     }
 
     /// Limits of the next internal step from the state alone.
@@ -331,6 +331,9 @@ impl Solver {
     }
 }
 
+/// Longest time over which forces act in a step, over its length. A step is cut far shorter than the last one where
+/// water hits something: velocities jump there, and do not continue those of the last step.
+const LONGEST_KICK: f64 = 1.25;
 /// Share of the stable step that is suggested to a master, so that the next step needs no division although the flow
 /// gets faster meanwhile: only a step without division has a load that is exactly affine in the motion.
 const SUGGESTED_SHARE: f64 = 0.8;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// State of the fluid at one time. One entry per particle in each field.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Time \[s\].
     pub time: f64,
@@ -38,6 +38,45 @@ pub struct State {
     pub surface: Vec<bool>,
     /// Particles that left the domain and were removed.
     pub lost: usize,
+}
+
+impl Clone for State {
+    fn clone(&self) -> Self {
+        let mut state = Self {
+            time: 0.0,
+            steps: 0,
+            time_step: 0.0,
+            motion: Motion::at_rest(self.motion.modes()),
+            load: Vec::new(),
+            acceleration: Vec::new(),
+            added_mass: Vec::new(),
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            pressures: Vec::new(),
+            volumes: Vec::new(),
+            number_densities: Vec::new(),
+            surface: Vec::new(),
+            lost: 0,
+        };
+        state.clone_from(self);
+        state
+    }
+
+    /// Keeps the memory: every step begins with a copy.
+    fn clone_from(&mut self, source: &Self) {
+        (self.time, self.steps, self.time_step) = (source.time, source.steps, source.time_step);
+        self.lost = source.lost;
+        self.motion.clone_from(&source.motion);
+        self.load.clone_from(&source.load);
+        self.acceleration.clone_from(&source.acceleration);
+        self.added_mass.clone_from(&source.added_mass);
+        self.positions.clone_from(&source.positions);
+        self.velocities.clone_from(&source.velocities);
+        self.pressures.clone_from(&source.pressures);
+        self.volumes.clone_from(&source.volumes);
+        self.number_densities.clone_from(&source.number_densities);
+        self.surface.clone_from(&source.surface);
+    }
 }
 
 impl State {

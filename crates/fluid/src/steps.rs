@@ -140,7 +140,7 @@ impl Solver {
         let voronoi::prepare::Prepared { matrix, multigrid, responses, .. } = prepared;
         responses.solve(&self.setting, matrix, multigrid);
         report.iterations += responses.iterations;
-        prepared.accelerations.clone_from(&state.motion.acceleration);
+        kinematics::copy(&state.motion.acceleration, &mut prepared.accelerations);
         self.solve_for_walls(state.time, workspace, report)?;
         workspace.accurate.base.clone_from(&workspace.solution);
         Ok(())
@@ -292,7 +292,7 @@ impl Solver {
         state.time_step = time_step;
         state.steps += 1;
         if order::is_due(state.steps) {
-            order::sort(state, self.setting.spacing, &mut workspace.keys);
+            workspace.order.sort(state, self.setting.spacing);
         }
         Ok(())
     }
@@ -300,7 +300,7 @@ impl Solver {
 
 /// Mean accelerations of the coordinates from `start` to `end`.
 fn mean_acceleration(end: &Motion, start: &Motion, duration: f64, out: &mut DVector<f64>) {
-    out.clone_from(&end.velocity);
+    kinematics::copy(&end.velocity, out);
     *out -= &start.velocity;
     *out /= duration;
 }

@@ -21,5 +21,5 @@ mod panel;
 pub use body::{Beam, Body, MaterialPoint};
 pub use error::Error;
 pub use modes::{BeamModes, Support};
-pub use motion::{MAXIMUM_MODES, Motion, RIGID};
+pub use motion::{MAXIMUM_MODES, Motion, RIGID, copy};
 pub use panel::Panel;

@@ -16,7 +16,7 @@ pub const MAXIMUM_MODES: usize = 8;
 /// X, Y in m are the displacement of o_R from its place in the scene, theta in rad the counter-clockwise rotation from
 /// the scene's pose, q in m sqrt(kg/m) (mass-normalised modes, per metre of width). A body at rest in its
 /// scene has zeros throughout.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// Coordinates, 3 + N.
     pub position: DVector<f64>,
@@ -24,6 +24,29 @@ pub struct Motion {
     pub velocity: DVector<f64>,
     /// Second derivatives, per second squared, 3 + N.
     pub acceleration: DVector<f64>,
+}
+
+impl Clone for Motion {
+    fn clone(&self) -> Self {
+        let Self { position, velocity, acceleration } = self;
+        Self { position: position.clone(), velocity: velocity.clone(), acceleration: acceleration.clone() }
+    }
+
+    /// Keeps the memory: stepping clones motions all the time.
+    fn clone_from(&mut self, source: &Self) {
+        copy(&source.position, &mut self.position);
+        copy(&source.velocity, &mut self.velocity);
+        copy(&source.acceleration, &mut self.acceleration);
+    }
+}
+
+/// Copies a vector into the memory of another of the same length.
+pub fn copy(source: &DVector<f64>, target: &mut DVector<f64>) {
+    if source.len() == target.len() {
+        target.copy_from(source);
+    } else {
+        *target = source.clone();
+    }
 }
 
 impl Motion {

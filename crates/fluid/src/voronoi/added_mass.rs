@@ -61,6 +61,8 @@ pub struct Responses {
     /// Coordinates that answer to the load.
     active: Vec<usize>,
     blocks: Vec<Block>,
+    answer: DMatrix<f64>,
+    near: DMatrix<f64>,
     /// Added mass of all coordinates, row after row; zero where one of the two is not active.
     pub added_mass: Vec<f64>,
     /// Iterations of the solver that the unit responses took.
@@ -135,7 +137,7 @@ impl Responses {
 
     /// M from the unit responses, corrected by their residuals: its error is the square of theirs.
     fn find_added_mass(&mut self, density: f64) {
-        let mut answer = DMatrix::<f64>::zeros(self.active.len(), self.active.len());
+        let mut answer = clean(&mut self.answer, self.active.len());
         for column in 0..self.blocks.len() {
             // The partial sums move out so that this block can be compared with all.
             let mut partial = std::mem::take(&mut self.blocks[column].partial);
@@ -156,7 +158,7 @@ impl Responses {
         }
         self.added_mass.clear();
         self.added_mass.resize(self.size * self.size, 0.0);
-        let mut near = DMatrix::<f64>::zeros(self.active.len(), self.active.len());
+        let mut near = clean(&mut self.near, self.active.len());
         for (facet, work) in self.facets_with_work() {
             let weight = density * facet.wall.facet.length() * facet.wall.facet.height;
             for (k, &column) in self.active.iter().enumerate() {
@@ -171,6 +173,7 @@ impl Responses {
                 self.added_mass[row * self.size + column] = near[(l, k)] + symmetric;
             }
         }
+        (self.answer, self.near) = (answer, near);
     }
 
     /// Adds the pressure that the accelerations `change` of all coordinates cause.
@@ -183,6 +186,16 @@ impl Responses {
             });
         }
     }
+}
+
+/// Takes a matrix out of its place as zeros of the given size.
+fn clean(matrix: &mut DMatrix<f64>, size: usize) -> DMatrix<f64> {
+    let mut taken = std::mem::take(matrix);
+    if taken.nrows() != size {
+        taken = DMatrix::zeros(size, size);
+    }
+    taken.fill(0.0);
+    taken
 }
 
 impl Block {

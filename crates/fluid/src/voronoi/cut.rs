@@ -197,12 +197,12 @@ fn take_out_solids(view: &View, reach: f64, begin: usize, corners: &mut Vec<Corn
     let own = || setup.attachments.of(*i).iter().filter(|entry| walls.is_beside(entry));
     let behind = own().filter(|entry| entry.distance < least);
     let inside = behind.fold(Vector2::zeros(), |place, entry| place - entry.normal * (least - entry.distance));
-    let convex = corners.split_off(begin);
+    let mut polygon = Polygon::of(&corners[begin..]);
+    corners.truncate(begin);
     if lines.walk(&inside, corners) {
         return;
     }
     planes.truncate(first_plane);
-    let mut polygon = Polygon::of(&convex);
     for (k, entry) in own().enumerate() {
         let plane = Plane { normal: entry.normal, distance: entry.distance.max(least) };
         planes.push(WallPlane { plane, segment: entry.segment });

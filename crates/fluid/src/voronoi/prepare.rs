@@ -157,7 +157,7 @@ impl Prepared {
 
     fn place_walls(&mut self, setting: &Setting, state: &State) {
         let body = setting.geometry.body.as_ref();
-        self.rates.clone_from(&state.motion.velocity);
+        kinematics::copy(&state.motion.velocity, &mut self.rates);
         if body.is_some() || !self.walls_placed {
             let at = body.map(|body| (body, &self.middle.position));
             self.walls.place(&setting.layout, at, 2.0 * Cells::reach(setting.spacing), setting.spacing);
