@@ -110,6 +110,7 @@ pub fn main() -> ExitCode {
         Some(Command::Check { target, set }) => check(&target, &set),
         Some(Command::ListScenes) => list_scenes(),
         Some(Command::Bench(Bench::Accuracy(arguments))) => accuracy(&arguments),
+        Some(Command::Bench(Bench::Speed(arguments))) => speed(&arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error}");
@@ -287,6 +288,14 @@ fn list_scenes() -> Result<ExitCode, Failure> {
 fn accuracy(arguments: &bench::AccuracyArguments) -> Result<ExitCode, Failure> {
     let interrupted = watch_for_interruption()?;
     let page = bench::accuracy(arguments, &pack::scenes_folder()?, &interrupted)?;
+    println!("report: {}", page.display());
+    let ended = interrupted.load(Ordering::Relaxed);
+    Ok(if ended { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+fn speed(arguments: &bench::speed::SpeedArguments) -> Result<ExitCode, Failure> {
+    let interrupted = watch_for_interruption()?;
+    let page = bench::speed::speed(arguments, &pack::scenes_folder()?, &interrupted)?;
     println!("report: {}", page.display());
     let ended = interrupted.load(Ordering::Relaxed);
     Ok(if ended { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })

@@ -1,4 +1,4 @@
-//! `plimsoll bench`: the schemes of the fluid compared by error and by run time, as a dated record.
+//! `plimsoll bench`: the schemes of the fluid compared by error and by run time, and what a step costs, as dated records.
 
 pub mod comparison;
 pub mod machine;
@@ -7,6 +7,7 @@ pub mod pictures;
 pub mod plan;
 pub mod rates;
 pub mod sheet;
+pub mod speed;
 pub mod trial;
 
 use crate::record;
@@ -34,6 +35,12 @@ pub enum Bench {
     /// run time. A run that fails, or takes longer than the cap, is a row that says so. Ctrl-C ends the run at hand
     /// and writes what there is.
     Accuracy(AccuracyArguments),
+    /// Time an internal step, stage by stage, from 10^3 to 10^6 particles, and what parts of the method cost.
+    ///
+    /// Writes into the folder: speed.md and speed.csv. Counts nothing but internal steps: no output is written and no
+    /// figure is read meanwhile. With --against, the times of an earlier table stand beside these as a ratio; on another
+    /// machine that ratio says more of the machines than of the program.
+    Speed(speed::SpeedArguments),
 }
 
 /// What to compare and how long.
