@@ -116,8 +116,8 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         fixed_walls: part.wall.iter().map(polyline).collect(),
         body: body(scene)?,
         active: active(scene),
-        probes: part.probe.iter().flat_map(|probe| vectors(&probe.points())).collect(),
-        regions: part.region.iter().map(|region| vectors(&region.polygon)).collect(),
+        probes: part.probe.iter().flat_map(probes).collect(),
+        regions: part.region.iter().map(region).collect(),
         start: start(&part.start),
         gauges: part.gauge.iter().map(|gauge| gauge.x).collect(),
     };
@@ -146,6 +146,15 @@ fn active(scene: &Scene) -> Vec<usize> {
     let rigid = [Freedom::X, Freedom::Y, Freedom::Theta].iter().enumerate().filter(|(_, freedom)| free(freedom));
     let modes = kinematics::RIGID..kinematics::RIGID + scene.modes();
     rigid.map(|(index, _)| index).chain(modes).collect()
+}
+
+fn probes(probe: &scene::Probe) -> impl Iterator<Item = fluid::Probe> {
+    let on_body = probe.on_body;
+    vectors(&probe.points()).into_iter().map(move |place| fluid::Probe { place, on_body })
+}
+
+fn region(region: &scene::Region) -> fluid::Region {
+    fluid::Region { polygon: vectors(&region.polygon), on_body: region.on_body }
 }
 
 fn start(start: &scene::Start) -> fluid::AffineVelocity {

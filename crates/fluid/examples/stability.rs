@@ -133,7 +133,7 @@ impl Run {
         let geometry = Geometry {
             water: vec![points([(0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth)])],
             fixed_walls: vec![points([(0.0, high), (0.0, 0.0), (tank, 0.0), (tank, high)])],
-            probes: vec![probe],
+            probes: vec![probe.into()],
             ..Geometry::default()
         };
         let parameters = Parameters {

@@ -16,7 +16,7 @@ fn geometry(case: &str) -> Geometry {
     Geometry {
         water: vec![points(&[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])],
         fixed_walls: vec![points(&[(0.0, 3.0 * height), (0.0, 0.0), (tank, 0.0), (tank, 3.0 * height)])],
-        probes: points(&[(0.5 * tank, 0.0)]),
+        probes: vec![Vector2::new(0.5 * tank, 0.0).into()],
         ..Geometry::default()
     }
 }

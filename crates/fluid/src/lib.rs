@@ -35,6 +35,7 @@ mod pressure;
 mod report;
 mod schedule;
 mod solver;
+mod stages;
 mod state;
 mod steps;
 mod voronoi;
@@ -46,8 +47,10 @@ pub use kernel::Kernel;
 pub use neighbours::Neighbourhood;
 pub use observe::Observables;
 pub use parameters::{
-    AccurateParameters, AffineVelocity, Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters, Source,
+    AccurateParameters, AffineVelocity, Geometry, PaperParameters, Parameters, Probe, Region, Scheme, Shaking,
+    SolveParameters, Source,
 };
 pub use report::{Report, StageTimes};
 pub use solver::{Solver, Workspace};
+pub use stages::Stages;
 pub use state::State;

@@ -3,7 +3,7 @@
 use crate::fill::contains;
 use crate::grid::Grid;
 use crate::load::{PressureField, fixed_wall_force};
-use crate::parameters::Scheme;
+use crate::parameters::{Region, Scheme};
 use crate::prepare::Setting;
 use crate::state::State;
 use crate::voronoi::cells::Cells;
@@ -56,7 +56,9 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
     let body = setting.geometry.body.as_ref().map(|body| (body, &state.motion.position));
     walls.place(&setting.layout, body, setting.kernel.radius, setting.spacing);
     let mut grid = Grid::default();
-    grid.build(&state.positions, setting.kernel.radius);
+    if !setting.geometry.probes.is_empty() || matches!(setting.parameters.scheme, Scheme::Paper(_)) {
+        grid.build(&state.positions, setting.kernel.radius);
+    }
     let field = PressureField {
         grid: &grid,
         positions: &state.positions,
@@ -66,8 +68,15 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
         spacing: setting.spacing,
         walls: &walls,
     };
-    let sum_of = |polygon: &Vec<Vector2<f64>>| {
-        (0..count).filter(|&i| contains(polygon, &state.positions[i])).map(|i| density * state.volumes[i]).sum()
+    let stands = |place: &Vector2<f64>, on_body: bool| match body {
+        Some((body, coordinates)) if on_body => body.carry(place, coordinates),
+        _ => *place,
+    };
+    let sum_of = |region: &Region| {
+        let polygon: Vec<_> = region.polygon.iter().map(|corner| stands(corner, region.on_body)).collect();
+        let inside = (0..count).filter(|&i| contains(&polygon, &state.positions[i]));
+        // The sum of nothing is -0.
+        0.0 + inside.map(|i| density * state.volumes[i]).sum::<f64>()
     };
     let outline = Outline::new(setting, state, &walls, cells);
     let (extent, farthest) = outline.extent();
@@ -81,7 +90,12 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
         Scheme::Accurate(_) => extent[1].x,
     };
     Observables {
-        probes: setting.geometry.probes.iter().map(|point| field.at_point(point)).collect(),
+        probes: setting
+            .geometry
+            .probes
+            .iter()
+            .map(|probe| field.at_point(&stands(&probe.place, probe.on_body)))
+            .collect(),
         region_masses: setting.geometry.regions.iter().map(sum_of).collect(),
         wall_force: match &setting.parameters.scheme {
             Scheme::Paper(_) => fixed_wall_force(&field),

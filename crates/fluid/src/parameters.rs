@@ -141,6 +141,30 @@ pub struct SolveParameters {
     pub maximum_iterations: usize,
 }
 
+/// A place where the pressure is read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probe {
+    /// Place in the scene's pose \[m\].
+    pub place: Vector2<f64>,
+    /// Whether it moves with the body.
+    pub on_body: bool,
+}
+
+impl From<Vector2<f64>> for Probe {
+    fn from(place: Vector2<f64>) -> Self {
+        Self { place, on_body: false }
+    }
+}
+
+/// A region whose water is weighed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Corners in the scene's pose \[m\].
+    pub polygon: Vec<Vector2<f64>>,
+    /// Whether it moves with the body.
+    pub on_body: bool,
+}
+
 /// What there is besides numbers. Coordinates in metres.
 #[derive(Debug, Clone, Default)]
 pub struct Geometry {
@@ -155,9 +179,9 @@ pub struct Geometry {
     /// Generalised coordinates of the body that answer to the load. Only these have an added mass.
     pub active: Vec<usize>,
     /// Points where the pressure is reported.
-    pub probes: Vec<Vector2<f64>>,
+    pub probes: Vec<Probe>,
     /// Regions whose water mass is reported, closed polygons.
-    pub regions: Vec<Vec<Vector2<f64>>>,
+    pub regions: Vec<Region>,
     /// Abscissae where the water level is reported \[m\].
     pub gauges: Vec<f64>,
 }

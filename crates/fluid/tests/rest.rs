@@ -16,7 +16,7 @@ fn still_water_stays_in_and_throws_nothing_out() {
     let geometry = Geometry {
         water: vec![rectangle(0.0, 0.0, 1.0, 0.5)],
         fixed_walls: vec![tank(1.0, 0.8)],
-        probes: vec![Vector2::new(0.5, 0.0)],
+        probes: vec![Vector2::new(0.5, 0.0).into()],
         ..Geometry::default()
     };
     let solver = Solver::new(parameters(paper(), 0.02, 1e-3, 2), geometry).unwrap();
@@ -58,7 +58,7 @@ fn rest(jitter: f64, settled: f64) -> Worst {
     let geometry = Geometry {
         water: vec![rectangle(0.0, 0.0, 1.0, 0.5)],
         fixed_walls: vec![tank(1.0, 0.8)],
-        probes: vec![Vector2::new(0.5, 0.0)],
+        probes: vec![Vector2::new(0.5, 0.0).into()],
         gauges: vec![0.3],
         ..Geometry::default()
     };

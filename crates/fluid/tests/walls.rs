@@ -41,7 +41,7 @@ fn hydrostatic_slope_is_exact_and_level_of_first_order() {
     let geometry = Geometry {
         water: vec![rectangle(0.0, 0.0, 1.0, 0.5)],
         fixed_walls: vec![tank(1.0, 0.8)],
-        probes: vec![Vector2::new(0.5, 0.0)],
+        probes: vec![Vector2::new(0.5, 0.0).into()],
         ..Geometry::default()
     };
     let mut parameters = parameters(paper(), 0.02, 1e-10, 1);

@@ -109,6 +109,11 @@ impl Body {
         self.place(point, &motion.position)
     }
 
+    /// Where a point, m, that stands at `place` in the scene's pose is carried to by the rigid motion.
+    pub fn carry(&self, place: &Vector2<f64>, coordinates: &DVector<f64>) -> Vector2<f64> {
+        self.origin + rigid(coordinates) + Rotation2::new(coordinates[2]) * (place - self.origin)
+    }
+
     /// Place in the global frame, m, from the coordinates alone.
     pub fn place(&self, point: MaterialPoint, coordinates: &DVector<f64>) -> Vector2<f64> {
         self.origin + rigid(coordinates) + self.rotation(coordinates) * self.local(point, coordinates)

@@ -301,6 +301,9 @@ pub struct Probe {
     /// Number of points of a line probe.
     #[serde(default)]
     pub count: usize,
+    /// Whether it moves with the structure's rigid body, from its place at the start on.
+    #[serde(default)]
+    pub on_body: bool,
 }
 
 impl Probe {
@@ -337,6 +340,9 @@ pub struct Region {
     pub name: String,
     /// Corners in order.
     pub polygon: Vec<Point>,
+    /// Whether it moves with the structure's rigid body, from its place at the start on.
+    #[serde(default)]
+    pub on_body: bool,
 }
 
 /// How fluid and structure are coupled.

@@ -79,7 +79,7 @@ impl Scene {
             check.fail("fluid, structure", "none", "at least one of [fluid] and [structure]")?;
         }
         if let Some(fluid) = &self.fluid {
-            validate_fluid(&check, fluid)?;
+            validate_fluid(&check, fluid, self.structure.is_some())?;
         }
         if let Some(structure) = &self.structure {
             validate_structure(&check, structure)?;
@@ -152,7 +152,7 @@ impl Check {
     }
 }
 
-fn validate_fluid(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
+fn validate_fluid(check: &Checker, fluid: &Fluid, has_body: bool) -> Result<(), Error> {
     check.positive("fluid.density", fluid.density)?;
     check.positive("fluid.spacing", fluid.spacing)?;
     check.within("fluid.threads", fluid.threads as f64, 0.0, 1024.0)?;
@@ -186,6 +186,10 @@ fn validate_fluid(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
     }
     for (i, region) in fluid.region.iter().enumerate() {
         check.points(&format!("fluid.region[{i}].polygon"), &region.polygon, 3)?;
+    }
+    let carried = fluid.probe.iter().any(|probe| probe.on_body) || fluid.region.iter().any(|region| region.on_body);
+    if carried && !has_body {
+        check.fail("fluid.probe, fluid.region: on_body", "true", "false in a scene without a structure")?;
     }
     for (i, gauge) in fluid.gauge.iter().enumerate() {
         check.finite_if(&format!("fluid.gauge[{i}].x"), gauge.x)?;

@@ -103,21 +103,38 @@ impl Prepared {
             return false;
         }
         self.key = None;
+        self.find_geometry(setting, state, pace, fingerprint);
+        watch.lap(&mut stages.neighbours);
+        self.assemble(setting, accurate, state, pace);
+        self.key = key;
+        watch.lap(&mut stages.assembly);
+        true
+    }
+
+    /// Walls, cells and facets on moving walls.
+    fn find_geometry(&mut self, setting: &Setting, state: &State, pace: Pace, fingerprint: u64) {
         self.time = state.time;
         foretell(&state.motion, 0.5 * pace.time_step, &mut self.middle);
         self.build_cells(setting, state, fingerprint);
         if let Some(body) = &setting.geometry.body {
             self.responses.collect(&self.cells, &setting.layout, body, &self.middle.position);
         }
-        watch.lap(&mut stages.neighbours);
+    }
+
+    /// The same, whatever is there already.
+    pub fn make_cells(&mut self, setting: &Setting, state: &State, pace: Pace) {
+        (self.key, self.cells_of) = (None, None);
+        self.find_geometry(setting, state, pace, 0);
+        self.cells_of = None;
+    }
+
+    /// Predicted velocities, right side, matrix and preconditioner.
+    pub fn assemble(&mut self, setting: &Setting, accurate: &AccurateParameters, state: &State, pace: Pace) {
         self.predict(setting, state, pace);
         self.smooth(accurate, state, pace.time_step);
         self.build_source(setting, accurate, state, pace);
         self.matrix.assemble_cells(&self.cells);
         self.multigrid.set_up(&self.matrix, &state.positions, setting.spacing, setting.spacing * setting.spacing);
-        self.key = key;
-        watch.lap(&mut stages.assembly);
-        true
     }
 
     /// Walls and cells of a state; in a scene without a body they may be there already.

@@ -59,7 +59,7 @@ pub fn dam_break_plate() -> Geometry {
         water: vec![rectangle(0.0, 0.0, 0.146, 0.292)],
         fixed_walls: vec![tank(0.584, 0.8)],
         body: Some(plate(0.292, 0.08, 0.012, 2)),
-        probes: vec![Vector2::new(0.285, 0.01)],
+        probes: vec![Vector2::new(0.285, 0.01).into()],
         ..Geometry::default()
     }
 }

@@ -1,0 +1,70 @@
+//! Times of the stages of a step by themselves: `cargo bench -p fluid`. One thread; a column of water that has begun to fall.
+
+use divan::Bencher;
+use fluid::{AccurateParameters, Geometry, Parameters, Scheme, Shaking, SolveParameters, Solver, Stages, State};
+use kinematics::Motion;
+use nalgebra::Vector2;
+
+/// Particles.
+const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
+
+fn main() {
+    divan::main();
+}
+
+/// A column of about `count` particles after ten steps, and the length of the next one.
+fn column(count: usize) -> Option<(Solver, State, f64)> {
+    let points = |list: &[(f64, f64)]| list.iter().map(|&(x, y)| Vector2::new(x, y)).collect::<Vec<_>>();
+    let spacing = (0.146 * 0.292 / count as f64).sqrt();
+    let geometry = Geometry {
+        water: vec![points(&[(0.0, 0.0), (0.146, 0.0), (0.146, 0.292), (0.0, 0.292)])],
+        fixed_walls: vec![points(&[(0.0, 1.2), (0.0, 0.0), (0.584, 0.0), (0.584, 1.2)])],
+        ..Geometry::default()
+    };
+    let parameters = Parameters {
+        density: 1000.0,
+        gravity: Vector2::new(0.0, -9.81),
+        attraction: 0.0,
+        shaking: Shaking::default(),
+        spacing,
+        scheme: Scheme::Accurate(AccurateParameters::default()),
+        solve: SolveParameters { tolerance: 1e-4, maximum_iterations: 500 },
+        threads: 1,
+    };
+    let solver = Solver::new(parameters, geometry).ok()?;
+    let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
+    let time_step = 0.1 * (spacing / 9.81).sqrt();
+    for _ in 0..10 {
+        solver.step(&mut state, &Motion::at_rest(0), time_step, &mut workspace).ok()?;
+    }
+    Some((solver, state, time_step))
+}
+
+fn time(bencher: Bencher, count: usize, stage: impl Fn(&mut Stages)) {
+    let Some((solver, state, time_step)) = column(count) else { return };
+    let particles = state.positions.len();
+    let Some(mut stages) = Stages::new(&solver, state, time_step) else { return };
+    bencher.counter(divan::counter::ItemsCount::new(particles)).bench_local(|| stage(&mut stages));
+}
+
+#[divan::bench(args = SIZES)]
+fn neighbours_and_cells(bencher: Bencher, count: usize) {
+    time(bencher, count, |stages| stages.cells());
+}
+
+#[divan::bench(args = SIZES)]
+fn assembly(bencher: Bencher, count: usize) {
+    time(bencher, count, |stages| stages.assembly());
+}
+
+#[divan::bench(args = SIZES)]
+fn solve(bencher: Bencher, count: usize) {
+    time(bencher, count, |stages| {
+        stages.solve();
+    });
+}
+
+#[divan::bench(args = SIZES)]
+fn gradient(bencher: Bencher, count: usize) {
+    time(bencher, count, |stages| stages.gradient());
+}
