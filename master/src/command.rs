@@ -9,7 +9,9 @@ use crate::pack;
 use crate::participant::Participant;
 use crate::progress::Progress;
 use crate::record::{Status, Summary};
-use crate::report::Short;
+use crate::report::{Short, prepare_font};
+use crate::reproduce::{self, CabinArguments, Model, Reproduce};
+use crate::run::Outcome;
 use crate::scene_case::{self, Places};
 use clap::{Parser, Subcommand};
 use scene::Scene;
@@ -21,6 +23,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What runs when nothing is asked.
 const DEFAULT_SCENE: &str = "dam_break_plate";
+/// Scene of the paper's cabins.
+const CABIN: &str = "damaged_cabin";
 /// Exit code of a run that the user ended (128 + SIGINT).
 const INTERRUPTED: u8 = 130;
 
@@ -77,6 +81,9 @@ enum Command {
     /// Compare the schemes of the fluid and write a dated record.
     #[command(subcommand)]
     Bench(Bench),
+    /// Run the paper's study again and write one report.
+    #[command(subcommand)]
+    Reproduce(Reproduce),
 }
 
 #[derive(Debug, clap::Args)]
@@ -111,6 +118,7 @@ pub fn main() -> ExitCode {
         Some(Command::ListScenes) => list_scenes(),
         Some(Command::Bench(Bench::Accuracy(arguments))) => accuracy(&arguments),
         Some(Command::Bench(Bench::Speed(arguments))) => speed(&arguments),
+        Some(Command::Reproduce(Reproduce::Cabin(arguments))) => reproduce_cabin(&arguments),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error}");
@@ -125,6 +133,13 @@ impl RunArguments {
 }
 
 fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    let interrupted = watch_for_interruption()?;
+    let (summary, _, folder) = execute(arguments, &interrupted)?;
+    Ok(conclude(&summary, &folder, arguments.quiet))
+}
+
+/// Runs a scene or a case and writes everything about it into the folder that is returned.
+fn execute(arguments: &RunArguments, interrupted: &AtomicBool) -> Result<(Summary, Outcome, PathBuf), Failure> {
     let overrides = overrides(&arguments.set)?;
     let path = locate(&arguments.target)?;
     let name = scene_case::scene_name(&path);
@@ -137,13 +152,12 @@ fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     job.prepare_folder()?;
     let log = Log::to_file(&job.folder.join("log.txt"), true)?;
     let participants = participants(&job.case, &log)?;
-    let interrupted = watch_for_interruption()?;
     if !arguments.quiet {
         eprintln!("{}: {} s", job.case.title, job.case.run.end);
     }
     let mut progress = Progress::new(job.case.start, job.case.run.end, arguments.quiet);
-    let (summary, _) = job.execute(participants, &interrupted, &mut progress)?;
-    Ok(conclude(&summary, &job.folder, arguments.quiet))
+    let (summary, outcome) = job.execute(participants, interrupted, &mut progress)?;
+    Ok((summary, outcome, job.folder))
 }
 
 fn scene_job(
@@ -291,6 +305,35 @@ fn accuracy(arguments: &bench::AccuracyArguments) -> Result<ExitCode, Failure> {
     println!("report: {}", page.display());
     let ended = interrupted.load(Ordering::Relaxed);
     Ok(if ended { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+fn reproduce_cabin(arguments: &CabinArguments) -> Result<ExitCode, Failure> {
+    let interrupted = watch_for_interruption()?;
+    let mut models = Vec::new();
+    for (name, youngs_modulus, change) in reproduce::cabin::MODELS {
+        let mut set = vec![format!("fluid.spacing={}", arguments.spacing), format!("run.end={}", arguments.end)];
+        set.push(change.to_string());
+        let out = Some(arguments.out.join(format!("model-{name}")));
+        let run = RunArguments { target: CABIN.to_string(), set, out, threads: arguments.threads, quiet: false };
+        eprintln!("model {name}");
+        let (summary, outcome, _) = execute(&run, &interrupted)?;
+        if let Some(error) = &summary.error {
+            eprintln!("error: model {name}: {error}");
+        }
+        models.push(Model { name, youngs_modulus, summary, series: outcome.series });
+        if interrupted.load(Ordering::Relaxed) {
+            break;
+        }
+    }
+    prepare_font();
+    let page = reproduce::page::write(&models, arguments.spacing, &arguments.out)?;
+    println!("report: {}", page.display());
+    let complete = models.iter().all(|model| model.summary.status == Status::Complete);
+    Ok(match (interrupted.load(Ordering::Relaxed), complete) {
+        (true, _) => ExitCode::from(INTERRUPTED),
+        (false, true) => ExitCode::SUCCESS,
+        (false, false) => ExitCode::FAILURE,
+    })
 }
 
 fn speed(arguments: &bench::speed::SpeedArguments) -> Result<ExitCode, Failure> {

@@ -14,6 +14,7 @@ pub mod participant;
 pub mod progress;
 pub mod record;
 pub mod report;
+pub mod reproduce;
 pub mod run;
 pub mod scene_case;
 pub mod stages;

@@ -1,0 +1,132 @@
+//! The paper's four cabins: what is run, and the figures that are compared.
+
+use super::Model;
+use crate::record::{Column, Series};
+
+/// The models: number, Young's modulus \[Pa\] (infinite: no modes), changes of the scene.
+pub const MODELS: [(&str, f64, &str); 4] = [
+    ("I", 1.8e9, "structure.beam.youngs_modulus=1.8e9"),
+    ("II", 3.6e9, "structure.beam.youngs_modulus=3.6e9"),
+    ("III", 7.2e9, "structure.beam.youngs_modulus=7.2e9"),
+    ("IV", f64::INFINITY, "structure.beam.modes=0"),
+];
+/// Time over which the paper takes its averages and peaks \[s\].
+pub const PERIOD: f64 = 1.2;
+/// The paper's table 2 \[kPa\]: peak at P1, average at P1, peak at P2, average at P2, for each model.
+pub const TABLE: [[f64; 4]; 4] =
+    [[15.41, 4.50, 21.47, 7.59], [16.71, 5.59, 18.55, 8.70], [22.36, 5.90, 25.94, 8.88], [35.91, 7.94, 56.15, 9.50]];
+/// Probes of the scene: P1, P2, then the stations of the bulkhead's flooded face from the bottom up, then the other face.
+pub const STATIONS: usize = 7;
+
+/// Name of the pressure at a probe, counted from 1.
+pub fn pressure(probe: usize) -> String {
+    format!("fluid.probe.pressure[{probe}]")
+}
+
+/// Largest value and mean of a variable up to `PERIOD`; none where it was not recorded.
+pub fn peak_and_mean(series: &Series, name: &str) -> Option<(f64, f64)> {
+    let column: &Column = series.column(name)?;
+    let values: Vec<f64> = series.points(column).filter(|(time, _)| *time <= PERIOD).map(|(_, value)| value).collect();
+    let peak = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (!values.is_empty()).then(|| (peak, values.iter().sum::<f64>() / values.len() as f64))
+}
+
+/// Value of a variable at the last record up to `PERIOD`.
+pub fn at_the_end(series: &Series, name: &str) -> Option<f64> {
+    let column = series.column(name)?;
+    series.points(column).filter(|(time, _)| *time <= PERIOD).last().map(|(_, value)| value)
+}
+
+/// Ours beside `TABLE` \[kPa\].
+pub fn table_row(model: &Model) -> [Option<f64>; 4] {
+    let kilo = |value: f64| 1e-3 * value;
+    let of = |probe: usize| peak_and_mean(&model.series, &pressure(probe));
+    let (first, second) = (of(1), of(2));
+    [first.map(|it| kilo(it.0)), first.map(|it| kilo(it.1)), second.map(|it| kilo(it.0)), second.map(|it| kilo(it.1))]
+}
+
+/// Pressure along the bulkhead over its height from the bottom, 0 to 1: peak and mean of a face \[kPa\].
+pub fn along_bulkhead(model: &Model, flooded: bool) -> Vec<(f64, f64, f64)> {
+    let first = if flooded { 3 } else { 3 + STATIONS };
+    let station = |k: usize| {
+        let (peak, mean) = peak_and_mean(&model.series, &pressure(first + k))?;
+        Some((k as f64 / (STATIONS - 1) as f64, 1e-3 * peak, 1e-3 * mean))
+    };
+    (0..STATIONS).filter_map(station).collect()
+}
+
+/// A trend of the paper and what was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trend {
+    /// What the paper says.
+    pub claim: &'static str,
+    /// Whether it was found; none where a figure is missing.
+    pub found: Option<bool>,
+    /// Our numbers.
+    pub numbers: String,
+}
+
+/// The paper's trends, one by one.
+pub fn trends(models: &[Model]) -> Vec<Trend> {
+    let largest = |name: &str| -> Vec<f64> {
+        models.iter().filter_map(|model| peak_and_mean(&model.series, name).map(|it| it.0)).collect()
+    };
+    let deflections = largest("structure.deflection.middle");
+    let flexible = deflections.get(..3).filter(|_| models.len() == 4);
+    let list = |values: &[f64], factor: f64, unit: &str| {
+        let texts: Vec<String> = values.iter().map(|value| format!("{:.3}", factor * value)).collect();
+        format!("{} {unit}", texts.join(", "))
+    };
+    let bulkhead = |peak: bool| -> Vec<f64> {
+        let of = |model: &Model| {
+            let stations = along_bulkhead(model, true);
+            let count = stations.len().max(1) as f64;
+            let values = stations.iter().map(|&(_, most, mean)| if peak { most } else { mean });
+            if peak { values.fold(0.0, f64::max) } else { values.sum::<f64>() / count }
+        };
+        models.iter().map(of).collect()
+    };
+    let (peaks, means) = (bulkhead(true), bulkhead(false));
+    let rolls: Vec<f64> =
+        models.iter().filter_map(|model| at_the_end(&model.series, "structure.motion.theta")).collect();
+    let whole = models.len() == 4;
+    let spread = |values: &[f64]| {
+        let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &it| (low.min(it), high.max(it)));
+        (high - low) / (values.iter().sum::<f64>() / values.len() as f64).abs()
+    };
+    let of_probe = |probe: usize| largest(&pressure(probe));
+    let rises = |values: &[f64]| values.windows(2).all(|pair| pair[1] > pair[0]);
+    vec![
+        Trend {
+            claim: "A stiffer bulkhead deflects less (I about three times III)",
+            found: flexible.map(|it| it[0] > it[1] && it[1] > it[2]),
+            numbers: flexible
+                .map_or_else(String::new, |it| format!("{}; I over III {:.2}", list(it, 1e3, "mm"), it[0] / it[2])),
+        },
+        Trend {
+            claim: "The peak pressure on the bulkhead rises with its stiffness (I about 0.43 of IV)",
+            found: whole.then(|| rises(&peaks)),
+            numbers: format!("{}; I over IV {:.2}", list(&peaks, 1.0, "kPa"), peaks[0] / peaks[peaks.len() - 1]),
+        },
+        Trend {
+            claim: "The peak at P1 rises with the stiffness",
+            found: whole.then(|| rises(&of_probe(1))),
+            numbers: list(&of_probe(1), 1e-3, "kPa"),
+        },
+        Trend {
+            claim: "The peak at P2 rises with the stiffness (I about 0.38 of IV)",
+            found: whole.then(|| rises(&of_probe(2))),
+            numbers: list(&of_probe(2), 1e-3, "kPa"),
+        },
+        Trend {
+            claim: "The average pressure on the bulkhead is nearly the same (here: within 10 %)",
+            found: whole.then(|| spread(&means) < 0.1),
+            numbers: format!("{}; spread {:.1} %", list(&means, 1.0, "kPa"), 100.0 * spread(&means)),
+        },
+        Trend {
+            claim: "The roll is nearly the same (here: within 10 % at 1.2 s)",
+            found: whole.then(|| spread(&rolls) < 0.1),
+            numbers: format!("{}; spread {:.1} %", list(&rolls, 1.0, "rad"), 100.0 * spread(&rolls)),
+        },
+    ]
+}
