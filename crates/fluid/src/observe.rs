@@ -3,7 +3,7 @@
 use crate::fill::contains;
 use crate::grid::Grid;
 use crate::load::{PressureField, fixed_wall_force};
-use crate::parameters::{Region, Scheme};
+use crate::parameters::{Probe, Region, Scheme};
 use crate::prepare::Setting;
 use crate::state::State;
 use crate::voronoi::cells::Cells;
@@ -48,6 +48,9 @@ pub struct Observables {
     pub lost: usize,
 }
 
+/// Distance in spacings within which a probe that moves with the body stands on its wall.
+const ON_WALL: f64 = 0.25;
+
 /// Computes the figures of `state`; `cells` are its cells if they are known.
 pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Observables {
     let density = setting.parameters.density;
@@ -72,6 +75,12 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
         Some((body, coordinates)) if on_body => body.carry(place, coordinates),
         _ => *place,
     };
+    // A place on the body is on its wall only up to rounding and deflection.
+    let reach = ON_WALL * setting.spacing;
+    let read = |probe: &Probe| match stands(&probe.place, probe.on_body) {
+        place if probe.on_body => field.at_point(&walls.in_front(&place, reach)),
+        place => field.at_point(&place),
+    };
     let sum_of = |region: &Region| {
         let polygon: Vec<_> = region.polygon.iter().map(|corner| stands(corner, region.on_body)).collect();
         let inside = (0..count).filter(|&i| contains(&polygon, &state.positions[i]));
@@ -90,12 +99,7 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
         Scheme::Accurate(_) => extent[1].x,
     };
     Observables {
-        probes: setting
-            .geometry
-            .probes
-            .iter()
-            .map(|probe| field.at_point(&stands(&probe.place, probe.on_body)))
-            .collect(),
+        probes: setting.geometry.probes.iter().map(read).collect(),
         region_masses: setting.geometry.regions.iter().map(sum_of).collect(),
         wall_force: match &setting.parameters.scheme {
             Scheme::Paper(_) => fixed_wall_force(&field),

@@ -235,6 +235,15 @@ impl Walls {
         self.cells.of(point)
     }
 
+    /// The point, put just in front of a wall that it stands on or nearly so: within `reach` of it on either side.
+    pub fn in_front(&self, point: &Vector2<f64>, reach: f64) -> Vector2<f64> {
+        let near = self.candidates(point).iter().map(|&index| &self.segments[index as usize]);
+        let on = near.filter(|segment| segment.squared_distance(point) < reach * reach);
+        let nearest = on.min_by(|a, b| a.squared_distance(point).total_cmp(&b.squared_distance(point)));
+        let least = 0.01 * self.spacing;
+        nearest.map_or(*point, |segment| point - segment.normal * (least - segment.local(point).0).max(0.0))
+    }
+
     /// Whether a wall stands between two points, judged by the candidates of the first.
     pub fn separates(&self, a: &Vector2<f64>, b: &Vector2<f64>) -> bool {
         self.candidates(a).iter().any(|&segment| self.segments[segment as usize].is_crossed(a, b))
