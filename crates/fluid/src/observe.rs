@@ -71,22 +71,6 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
         spacing: setting.spacing,
         walls: &walls,
     };
-    let stands = |place: &Vector2<f64>, on_body: bool| match body {
-        Some((body, coordinates)) if on_body => body.carry(place, coordinates),
-        _ => *place,
-    };
-    // A place on the body is on its wall only up to rounding and deflection.
-    let reach = ON_WALL * setting.spacing;
-    let read = |probe: &Probe| match stands(&probe.place, probe.on_body) {
-        place if probe.on_body => field.at_point(&walls.in_front(&place, reach)),
-        place => field.at_point(&place),
-    };
-    let sum_of = |region: &Region| {
-        let polygon: Vec<_> = region.polygon.iter().map(|corner| stands(corner, region.on_body)).collect();
-        let inside = (0..count).filter(|&i| contains(&polygon, &state.positions[i]));
-        // The sum of nothing is -0.
-        0.0 + inside.map(|i| density * state.volumes[i]).sum::<f64>()
-    };
     let outline = Outline::new(setting, state, &walls, cells);
     let (extent, farthest) = outline.extent();
     let mass = |i: usize| density * state.volumes[i];
@@ -99,8 +83,8 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
         Scheme::Accurate(_) => extent[1].x,
     };
     Observables {
-        probes: setting.geometry.probes.iter().map(read).collect(),
-        region_masses: setting.geometry.regions.iter().map(sum_of).collect(),
+        probes: setting.geometry.probes.iter().map(|probe| read(setting, state, &field, probe)).collect(),
+        region_masses: setting.geometry.regions.iter().map(|region| weigh(setting, state, region)).collect(),
         wall_force: match &setting.parameters.scheme {
             Scheme::Paper(_) => fixed_wall_force(&field),
             Scheme::Accurate(_) => outline.fixed_wall_force(),
@@ -119,6 +103,32 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
         particles: count,
         lost: state.lost,
     }
+}
+
+/// Where a place of the scene's pose is now.
+fn stands(setting: &Setting, state: &State, place: &Vector2<f64>, on_body: bool) -> Vector2<f64> {
+    match &setting.geometry.body {
+        Some(body) if on_body => body.carry(place, &state.motion.position),
+        _ => *place,
+    }
+}
+
+/// Pressure at a probe \[Pa\].
+fn read(setting: &Setting, state: &State, field: &PressureField, probe: &Probe) -> f64 {
+    let place = stands(setting, state, &probe.place, probe.on_body);
+    if !probe.on_body {
+        return field.at_point(&place);
+    }
+    // A place on the body is on its wall only up to rounding and deflection.
+    field.at_point(&field.walls.in_front(&place, ON_WALL * setting.spacing))
+}
+
+/// Water in a region \[kg/m\].
+fn weigh(setting: &Setting, state: &State, region: &Region) -> f64 {
+    let polygon: Vec<_> = region.polygon.iter().map(|corner| stands(setting, state, corner, region.on_body)).collect();
+    let inside = (0..state.positions.len()).filter(|&i| contains(&polygon, &state.positions[i]));
+    // The sum of nothing is -0.
+    0.0 + inside.map(|i| setting.parameters.density * state.volumes[i]).sum::<f64>()
 }
 
 /// Largest x of a particle that has company, and half a spacing \[m\].

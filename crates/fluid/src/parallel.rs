@@ -35,7 +35,7 @@ pub fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
 
 /// Whether `is` holds for every i in 0..count.
 pub fn all(count: usize, is: impl Fn(usize) -> bool + Sync) -> bool {
-    (0..count).into_par_iter().with_min_len(CHUNK).all(|i| is(i))
+    (0..count).into_par_iter().with_min_len(CHUNK).all(&is)
 }
 
 /// Replaces every value by `new(i, value)` in parallel.

@@ -6,6 +6,7 @@
 mod checks;
 mod document;
 mod error;
+mod instruments;
 mod parse;
 mod structure;
 mod types;
@@ -14,6 +15,7 @@ mod validate;
 pub use checks::{Check, CheckKind};
 pub use document::{file_name, from_toml, read_text};
 pub use error::Error;
+pub use instruments::{Gauge, Probe, Region};
 pub use parse::parse_overrides;
 pub use structure::{Beam, Freedom, Integrator, Structure, Support};
 pub use types::*;

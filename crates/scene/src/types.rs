@@ -1,6 +1,6 @@
 //! The types that a scene file deserialises into. Field names are the keys of the file.
 
-use crate::{Check, Structure};
+use crate::{Check, Gauge, Probe, Region, Structure};
 use serde::{Deserialize, Serialize};
 
 /// A point or vector \[m\] as written in the file.
@@ -281,68 +281,6 @@ pub struct Wall {
     /// Whether the last corner joins the first.
     #[serde(default)]
     pub closed: bool,
-}
-
-/// A pressure probe: one point, or `count` points on a line.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Probe {
-    /// Name in reports.
-    pub name: String,
-    /// Place of a point probe.
-    #[serde(default)]
-    pub point: Option<Point>,
-    /// First point of a line probe.
-    #[serde(default)]
-    pub from: Option<Point>,
-    /// Last point of a line probe.
-    #[serde(default)]
-    pub to: Option<Point>,
-    /// Number of points of a line probe.
-    #[serde(default)]
-    pub count: usize,
-    /// Whether it moves with the structure's rigid body, from its place at the start on.
-    #[serde(default)]
-    pub on_body: bool,
-}
-
-impl Probe {
-    /// The places of this probe \[m\].
-    pub fn points(&self) -> Vec<Point> {
-        match (self.point, self.from, self.to) {
-            (Some(point), _, _) => vec![point],
-            (None, Some(from), Some(to)) => (0..self.count)
-                .map(|i| {
-                    let share = i as f64 / (self.count.max(2) - 1) as f64;
-                    [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
-                })
-                .collect(),
-            _ => Vec::new(),
-        }
-    }
-}
-
-/// A vertical line where the water level is reported.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Gauge {
-    /// Name in reports.
-    pub name: String,
-    /// Place \[m\].
-    pub x: f64,
-}
-
-/// A region whose water mass is reported.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Region {
-    /// Name in reports.
-    pub name: String,
-    /// Corners in order.
-    pub polygon: Vec<Point>,
-    /// Whether it moves with the structure's rigid body, from its place at the start on.
-    #[serde(default)]
-    pub on_body: bool,
 }
 
 /// How fluid and structure are coupled.

@@ -68,65 +68,90 @@ pub struct Trend {
 
 /// The paper's trends, one by one.
 pub fn trends(models: &[Model]) -> Vec<Trend> {
-    let largest = |name: &str| -> Vec<f64> {
-        models.iter().filter_map(|model| peak_and_mean(&model.series, name).map(|it| it.0)).collect()
-    };
-    let deflections = largest("structure.deflection.middle");
-    let flexible = deflections.get(..3).filter(|_| models.len() == 4);
-    let list = |values: &[f64], factor: f64, unit: &str| {
-        let texts: Vec<String> = values.iter().map(|value| format!("{:.3}", factor * value)).collect();
-        format!("{} {unit}", texts.join(", "))
-    };
-    let bulkhead = |peak: bool| -> Vec<f64> {
-        let of = |model: &Model| {
-            let stations = along_bulkhead(model, true);
-            let count = stations.len().max(1) as f64;
-            let values = stations.iter().map(|&(_, most, mean)| if peak { most } else { mean });
-            if peak { values.fold(0.0, f64::max) } else { values.sum::<f64>() / count }
-        };
-        models.iter().map(of).collect()
-    };
-    let (peaks, means) = (bulkhead(true), bulkhead(false));
+    let whole = models.len() == MODELS.len();
+    let deflections = largest(models, "structure.deflection.middle");
+    let (peaks, means) = (bulkhead(models, true), bulkhead(models, false));
     let rolls: Vec<f64> =
         models.iter().filter_map(|model| at_the_end(&model.series, "structure.motion.theta")).collect();
-    let whole = models.len() == 4;
-    let spread = |values: &[f64]| {
-        let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &it| (low.min(it), high.max(it)));
-        (high - low) / (values.iter().sum::<f64>() / values.len() as f64).abs()
+    let rising = |claim, values: &[f64], factor: f64| Trend {
+        claim,
+        found: whole.then(|| values.windows(2).all(|pair| pair[1] > pair[0])),
+        numbers: format!("{}; I over IV {:.2}", list(values, factor, "kPa"), first_over_last(values)),
     };
-    let of_probe = |probe: usize| largest(&pressure(probe));
-    let rises = |values: &[f64]| values.windows(2).all(|pair| pair[1] > pair[0]);
+    let alike = |claim, values: &[f64], unit| Trend {
+        claim,
+        found: whole.then(|| spread(values) < 0.1),
+        numbers: format!("{}; spread {:.1} %", list(values, 1.0, unit), 100.0 * spread(values)),
+    };
+    let flexible = deflections.get(..3);
     vec![
         Trend {
             claim: "A stiffer bulkhead deflects less (I about three times III)",
-            found: flexible.map(|it| it[0] > it[1] && it[1] > it[2]),
-            numbers: flexible
-                .map_or_else(String::new, |it| format!("{}; I over III {:.2}", list(it, 1e3, "mm"), it[0] / it[2])),
+            found: flexible.filter(|_| whole).map(|it| it[0] > it[1] && it[1] > it[2]),
+            numbers: flexible.map_or_else(String::new, |it| {
+                format!("{}; I over III {:.2}", list(it, 1e3, "mm"), first_over_last(it))
+            }),
         },
-        Trend {
-            claim: "The peak pressure on the bulkhead rises with its stiffness (I about 0.43 of IV)",
-            found: whole.then(|| rises(&peaks)),
-            numbers: format!("{}; I over IV {:.2}", list(&peaks, 1.0, "kPa"), peaks[0] / peaks[peaks.len() - 1]),
-        },
-        Trend {
-            claim: "The peak at P1 rises with the stiffness",
-            found: whole.then(|| rises(&of_probe(1))),
-            numbers: list(&of_probe(1), 1e-3, "kPa"),
-        },
-        Trend {
-            claim: "The peak at P2 rises with the stiffness (I about 0.38 of IV)",
-            found: whole.then(|| rises(&of_probe(2))),
-            numbers: list(&of_probe(2), 1e-3, "kPa"),
-        },
-        Trend {
-            claim: "The average pressure on the bulkhead is nearly the same (here: within 10 %)",
-            found: whole.then(|| spread(&means) < 0.1),
-            numbers: format!("{}; spread {:.1} %", list(&means, 1.0, "kPa"), 100.0 * spread(&means)),
-        },
-        Trend {
-            claim: "The roll is nearly the same (here: within 10 % at 1.2 s)",
-            found: whole.then(|| spread(&rolls) < 0.1),
-            numbers: format!("{}; spread {:.1} %", list(&rolls, 1.0, "rad"), 100.0 * spread(&rolls)),
-        },
+        rising("The peak pressure on the bulkhead rises with its stiffness (I about 0.43 of IV)", &peaks, 1.0),
+        rising("The peak at P1 rises with the stiffness (0.43)", &largest(models, &pressure(1)), 1e-3),
+        rising("The peak at P2 rises with the stiffness (0.38)", &largest(models, &pressure(2)), 1e-3),
+        alike("The average pressure on the bulkhead is nearly the same (here: within 10 %)", &means, "kPa"),
+        alike("The roll is nearly the same (here: within 10 % at 1.2 s)", &rolls, "rad"),
     ]
+}
+
+/// Largest value of a variable in each model.
+fn largest(models: &[Model], name: &str) -> Vec<f64> {
+    models.iter().filter_map(|model| peak_and_mean(&model.series, name).map(|it| it.0)).collect()
+}
+
+/// Largest peak of the bulkhead's flooded face, or the mean over it, in each model \[kPa\].
+fn bulkhead(models: &[Model], peak: bool) -> Vec<f64> {
+    let of = |model: &Model| {
+        let stations = along_bulkhead(model, true);
+        let count = stations.len().max(1) as f64;
+        let values = stations.iter().map(|&(_, most, mean)| if peak { most } else { mean });
+        if peak { values.fold(0.0, f64::max) } else { values.sum::<f64>() / count }
+    };
+    models.iter().map(of).collect()
+}
+
+fn list(values: &[f64], factor: f64, unit: &str) -> String {
+    let texts: Vec<String> = values.iter().map(|value| format!("{:.3}", factor * value)).collect();
+    format!("{} {unit}", texts.join(", "))
+}
+
+fn first_over_last(values: &[f64]) -> f64 {
+    values.first().zip(values.last()).map_or(f64::NAN, |(first, last)| first / last)
+}
+
+/// Difference of the extremes over the mean.
+fn spread(values: &[f64]) -> f64 {
+    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &it| (low.min(it), high.max(it)));
+    (high - low) / (values.iter().sum::<f64>() / values.len() as f64).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(name: &str, values: &[f64]) -> Series {
+        let column = Column { name: name.to_string(), unit: "Pa".to_string(), values: values.to_vec() };
+        Series { times: (0..values.len()).map(|k| 0.4 * k as f64).collect(), columns: vec![column] }
+    }
+
+    #[test]
+    fn peaks_and_means_end_with_the_paper_s_period() {
+        // 0, 0.4, 0.8, 1.2 s count, 1.6 s does not.
+        let series = series(&pressure(1), &[1.0, 5.0, 2.0, 4.0, 100.0]);
+        assert_eq!(peak_and_mean(&series, &pressure(1)), Some((5.0, 3.0)));
+        assert_eq!(at_the_end(&series, &pressure(1)), Some(4.0));
+        assert_eq!(peak_and_mean(&series, &pressure(2)), None);
+    }
+
+    #[test]
+    fn a_spread_is_relative_to_the_mean() {
+        assert!((spread(&[0.9, 1.0, 1.1]) - 0.2).abs() < 1e-12);
+        assert!((first_over_last(&[3.0, 5.0, 6.0]) - 0.5).abs() < 1e-12);
+    }
 }

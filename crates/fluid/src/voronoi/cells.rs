@@ -137,13 +137,18 @@ impl Cells {
                 walls.end();
             }
         });
+        self.end_at_surfaces();
+    }
+
+    /// Facets that cross the free surface end there, at the mean depth of the two cells.
+    fn end_at_surfaces(&mut self) {
         let cells = &self.cells;
         self.loose.change(|i, facet| {
             if facet.bound != Bound::Whole {
                 facet.end_at(0.5 * (cells[i].depth + cells[facet.neighbour as usize].depth));
             }
         });
-        self.odd.resize(count, false);
+        self.odd.resize(cells.len(), false);
         parallel::fill(&mut self.odd, |i| cells[i].odd);
     }
 
