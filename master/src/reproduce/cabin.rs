@@ -23,10 +23,15 @@ pub fn pressure(probe: usize) -> String {
     format!("fluid.probe.pressure[{probe}]")
 }
 
+/// Whether a record counts; times are sums of steps, and right to rounding.
+fn within_period((time, _): &(f64, f64)) -> bool {
+    *time <= PERIOD * (1.0 + 1e-9)
+}
+
 /// Largest value and mean of a variable up to `PERIOD`; none where it was not recorded.
 pub fn peak_and_mean(series: &Series, name: &str) -> Option<(f64, f64)> {
     let column: &Column = series.column(name)?;
-    let values: Vec<f64> = series.points(column).filter(|(time, _)| *time <= PERIOD).map(|(_, value)| value).collect();
+    let values: Vec<f64> = series.points(column).filter(within_period).map(|(_, value)| value).collect();
     let peak = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (!values.is_empty()).then(|| (peak, values.iter().sum::<f64>() / values.len() as f64))
 }
@@ -34,7 +39,7 @@ pub fn peak_and_mean(series: &Series, name: &str) -> Option<(f64, f64)> {
 /// Value of a variable at the last record up to `PERIOD`.
 pub fn at_the_end(series: &Series, name: &str) -> Option<f64> {
     let column = series.column(name)?;
-    series.points(column).filter(|(time, _)| *time <= PERIOD).last().map(|(_, value)| value)
+    series.points(column).filter(within_period).last().map(|(_, value)| value)
 }
 
 /// Ours beside `TABLE` \[kPa\].
