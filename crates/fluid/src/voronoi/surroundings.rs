@@ -253,3 +253,76 @@ impl Surroundings {
 fn lane_of(value: f64) -> usize {
     (value.to_bits() & LANE) as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::polygon;
+    use super::*;
+    use pulp::{Arch, Scalar, WithSimd};
+
+    /// Corners of the cell of a particle at the origin among others, inside a box with sides 2.8.
+    struct Walk<'a>(&'a [(f64, f64)]);
+
+    impl WithSimd for Walk<'_> {
+        type Output = (f64, Vec<Corner>);
+
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let (x, y): (Vec<f64>, Vec<f64>) = self.0.iter().copied().unzip();
+            let members: Vec<u32> = (1..=x.len() as u32).collect();
+            let mut around = Surroundings::default();
+            around.clear();
+            around.put_box(1.4);
+            around.put_row(&Vector2::zeros(), 0, &Row { members: &members, x: &x, y: &y }, [0.0, 8.0]);
+            let mut corners = Vec::new();
+            let reach = around.walk(simd, 0, 1e-9, &mut corners);
+            (reach, corners)
+        }
+    }
+
+    fn scattered(seed: usize) -> Vec<(f64, f64)> {
+        let noise = |k: usize| (((k + 17 * seed) * 7919 + 31) % 1009) as f64 / 252.25 - 2.0;
+        (0..14).map(|k| (noise(2 * k), noise(2 * k + 1))).collect()
+    }
+
+    #[test]
+    fn a_square_lattice_gives_a_square() {
+        let lattice: Vec<_> =
+            (0..9).filter(|k| *k != 4).map(|k| (f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0)).collect();
+        let (reach, corners) = Arch::new().dispatch(Walk(&lattice));
+        assert_eq!(corners.len(), 4, "corners that touch a cell in a point only are left out");
+        assert!((reach - 0.5).abs() < 1e-13 && (polygon::area(&corners) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn every_corner_is_as_far_from_its_neighbours_and_no_particle_is_nearer() {
+        for seed in 0..200 {
+            let others = scattered(seed);
+            let (_, corners) = Arch::new().dispatch(Walk(&others));
+            assert!(polygon::area(&corners) > 0.0, "seed {seed}");
+            for corner in &corners {
+                let own = corner.place.norm();
+                for &(x, y) in &others {
+                    let distance = (corner.place - Vector2::new(x, y)).norm();
+                    assert!(distance > own - 1e-9, "seed {seed}: ({x}, {y}) is nearer to a corner");
+                }
+                if corner.label != BOX {
+                    let (x, y) = others[corner.label as usize - 1];
+                    let distance = (corner.place - Vector2::new(x, y)).norm();
+                    assert!((distance - own).abs() < 1e-9, "seed {seed}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn vectors_of_any_width_give_the_same_bits() {
+        for seed in 0..200 {
+            let others = scattered(seed);
+            let (wide, narrow) = (Arch::new().dispatch(Walk(&others)), Walk(&others).with_simd(Scalar));
+            let bits = |corners: &[Corner]| -> Vec<(u64, u64, u32)> {
+                corners.iter().map(|it| (it.place.x.to_bits(), it.place.y.to_bits(), it.label)).collect()
+            };
+            assert_eq!(bits(&wide.1), bits(&narrow.1), "seed {seed}");
+        }
+    }
+}
