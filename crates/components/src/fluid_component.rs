@@ -206,7 +206,7 @@ impl Component for FluidComponent {
             suggested_step: report.suggested_step,
             duration: step,
         };
-        self.seconds.add(&report.stages);
+        self.seconds.stages += report.stages;
         self.observed = OnceCell::new();
         Ok(())
     }
@@ -260,15 +260,5 @@ impl Component for FluidComponent {
         };
         let pairs = unknowns.iter().flat_map(|&unknown| knowns.iter().map(move |&known| (unknown, known)));
         Ok(pairs.map(|(unknown, known)| entry(unknown, known)).collect())
-    }
-}
-
-impl Seconds {
-    fn add(&mut self, stages: &fluid::StageTimes) {
-        self.stages.neighbours += stages.neighbours;
-        self.stages.assembly += stages.assembly;
-        self.stages.solve += stages.solve;
-        self.stages.gradient += stages.gradient;
-        self.stages.other += stages.other;
     }
 }

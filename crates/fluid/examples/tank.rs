@@ -44,13 +44,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let still = Motion::at_rest(0);
     println!("time [s], internal steps, front [m], floor pressure [Pa], kinetic energy [J/m], potential energy [J/m]");
-    let (mut stages, mut iterations) = ([0.0; 5], 0);
+    let (mut stages, mut iterations) = (StageTimes::default(), 0);
     for _ in 0..100 {
         let report = solver.step(&mut state, &still, 0.01 * end, &mut workspace)?;
-        let StageTimes { neighbours, assembly, solve, gradient, other } = report.stages;
-        for (sum, time) in stages.iter_mut().zip([neighbours, assembly, solve, gradient, other]) {
-            *sum += time;
-        }
+        stages += report.stages;
         iterations += report.iterations;
         let seen = solver.observe(&state);
         let (front, floor) = (seen.front, seen.probes[0]);
@@ -61,7 +58,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
     }
     let particle_steps = state.positions.len() as f64 * state.steps as f64;
-    for (name, time) in ["neighbours", "assembly", "solve", "gradient", "other"].iter().zip(stages) {
+    let StageTimes { neighbours, assembly, solve, gradient, other } = stages;
+    let times = [neighbours, assembly, solve, gradient, other];
+    for (name, time) in ["neighbours", "assembly", "solve", "gradient", "other"].iter().zip(times) {
         println!("{name}: {:.0} ns", 1e9 * time / particle_steps);
     }
     println!("iterations per internal step: {:.2}", iterations as f64 / state.steps as f64);

@@ -73,12 +73,6 @@ impl<T> Writer<'_, T> {
     pub fn end(&mut self) {
         self.ends.push(self.items.len() as u32);
     }
-
-    /// Number of entries since the last end.
-    #[inline(always)]
-    pub fn begun(&self) -> usize {
-        self.items.len() - self.ends.last().map_or(0, |&end| end as usize)
-    }
 }
 
 impl<T> Default for Lists<T> {

@@ -1,5 +1,6 @@
 //! What happened during a step.
 
+use std::ops::AddAssign;
 use std::time::Instant;
 
 /// Wall-clock seconds by stage. They do not influence the result.
@@ -15,6 +16,17 @@ pub struct StageTimes {
     pub gradient: f64,
     /// Loads, checks, book-keeping.
     pub other: f64,
+}
+
+impl AddAssign for StageTimes {
+    fn add_assign(&mut self, other: Self) {
+        let Self { neighbours, assembly, solve, gradient, other: rest } = other;
+        self.neighbours += neighbours;
+        self.assembly += assembly;
+        self.solve += solve;
+        self.gradient += gradient;
+        self.other += rest;
+    }
 }
 
 /// What happened during one call of `step`.

@@ -24,6 +24,21 @@ impl Circumstances {
     }
 }
 
+/// Lines of a page: circumstances, running processes before and after, and runs of each kind.
+pub fn table(it: &Circumstances, load: (Option<f64>, Option<f64>), repeats: u32) -> String {
+    let processes = |load: Option<f64>| load.map_or_else(|| "unknown".to_string(), |load| format!("{load:.1}"));
+    let commit = if it.commit.is_empty() { "unknown" } else { &it.commit };
+    format!(
+        "| | |\n|---|---|\n| date | {} |\n| machine | {} |\n| running processes before and after, mean of a minute | {} \
+         and {} |\n| commit | {commit} |\n| command | `{}` |\n| repeats | {repeats}, the fastest counts |\n\n",
+        it.date,
+        it.machine,
+        processes(load.0),
+        processes(load.1),
+        it.command
+    )
+}
+
 fn date() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (year, month, day) = civil(seconds / 86_400);

@@ -2,6 +2,7 @@
 
 use super::Record;
 use super::comparison::{Comparison, Factor};
+use super::machine;
 use super::trial::Trial;
 use crate::report::Short;
 use scene::Scheme;
@@ -18,22 +19,10 @@ pub fn markdown(record: &Record) -> String {
 }
 
 fn circumstances(record: &Record) -> String {
-    let it = &record.circumstances;
-    let load = |load: Option<f64>| load.map_or_else(|| "unknown".to_string(), |load| format!("{load:.1}"));
-    let commit = if it.commit.is_empty() { "unknown" } else { &it.commit };
-    format!(
-        "| | |\n|---|---|\n| date | {} |\n| machine | {} |\n| running processes before and after, mean of a minute | {} \
-         and {} |\n| commit | {commit} |\n| command | `{}` |\n| repeats | {}, the fastest counts |\n\n\
-         Times are processor time, which other programs on the machine hardly change; the wall-clock time stands beside \
-         it. `docs/benchmarks/README.md` says how to read and \
-         repeat this.\n\n",
-        it.date,
-        it.machine,
-        load(record.load.0),
-        load(record.load.1),
-        it.command,
-        record.repeats
-    )
+    machine::table(&record.circumstances, record.load, record.repeats)
+        + "Times are processor time, which other programs on the machine hardly change; the wall-clock time stands beside \
+           it. `docs/benchmarks/README.md` says how to read and \
+           repeat this.\n\n"
 }
 
 fn overview(record: &Record) -> String {

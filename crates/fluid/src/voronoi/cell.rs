@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 
 /// Distance in spacings from which on a corner lies in empty space. A rectangular lattice stretched 2:1 just closes.
 pub const OPEN: f64 = 1.1;
+/// Share of `OPEN` up to which rounding does not decide whether a corner lies in empty space.
+pub const SURE: f64 = 0.99;
 /// Distance in spacings from which on it always does. Nearer corners are seen alike by all cells that share them, since
 /// particles are looked for up to twice this distance.
 pub const FAR: f64 = 1.4;
@@ -178,7 +180,7 @@ impl Shape<'_> {
 
     /// Whether the other cells might see other facets than this one.
     pub fn is_odd(&self, walls: usize) -> bool {
-        let limit = (0.99 * OPEN * self.spacing).powi(2);
+        let limit = (SURE * OPEN * self.spacing).powi(2);
         walls > 0 || self.corners.iter().any(|corner| corner.place.norm_squared() > limit)
     }
 

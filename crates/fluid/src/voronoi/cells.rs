@@ -9,7 +9,7 @@ use crate::walls::{Attachment, FIXED, Walls};
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 
-/// Share of a spacing below which a facet is dropped: touching corners of a square lattice.
+/// Share of a spacing below which a facet is dropped, touching corners of a square lattice, and particles coincide.
 pub const SLACK: f64 = 1e-9;
 
 /// A facet on a wall with the place of its middle on the wall.
@@ -251,9 +251,9 @@ impl Seen<'_> {
 fn plane_to(setup: &Setup, i: usize, j: u32) -> Plane {
     let between = setup.positions[j as usize] - setup.positions[i];
     let distance = between.norm();
-    if distance < 1e-9 * setup.spacing {
+    if distance < SLACK * setup.spacing {
         let normal = Vector2::new(if (i as u32) < j { 1.0 } else { -1.0 }, 0.0);
-        return Plane { normal, distance: 1e-9 * setup.spacing };
+        return Plane { normal, distance: SLACK * setup.spacing };
     }
     Plane { normal: between / distance, distance: 0.5 * distance }
 }

@@ -1,6 +1,6 @@
 //! What of the room around a particle is nearer to it than to any other that it sees, and in front of the walls.
 
-use super::cell::{Bound, Cell, FAR, Facet, OPEN, turn};
+use super::cell::{Bound, Cell, FAR, Facet, OPEN, SURE, turn};
 use super::cells::{SLACK, Setup, WallPlane};
 use super::notch::{Line, Lines};
 use super::polygon::{self, Corner, Plane, Polygon, Ring, WALL};
@@ -22,8 +22,6 @@ const RINGS: i64 = 2;
 const NEAR: f64 = RINGS as f64 * GRID;
 /// Cells in which it looks where these do not close its cell.
 const ALL_RINGS: i64 = (2.0 * BOX / GRID).ceil() as i64;
-/// Share of `OPEN` up to which rounding does not decide whether a corner lies in empty space.
-const SURE: f64 = 0.99;
 
 /// What is cut out, list by list.
 pub struct Cuttings<'a> {

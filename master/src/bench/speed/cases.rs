@@ -99,7 +99,7 @@ pub const FEATURES: [Feature; 5] = [
         without: &[("fluid.spacing", "0.002")],
     },
     Feature {
-        name: "two modes that answer to the load",
+        name: "modes that answer to the load",
         scene: "dam_break_plate",
         with: &[("fluid.spacing", "0.003")],
         without: &[("fluid.spacing", "0.003"), ("structure.beam.modes", "0")],

@@ -81,12 +81,7 @@ impl Run {
         self.next = report.suggested_step;
         timing.steps += report.substeps;
         timing.iterations += report.iterations;
-        let StageTimes { neighbours, assembly, solve, gradient, other } = report.stages;
-        timing.stages.neighbours += neighbours;
-        timing.stages.assembly += assembly;
-        timing.stages.solve += solve;
-        timing.stages.gradient += gradient;
-        timing.stages.other += other;
+        timing.stages += report.stages;
         Ok(())
     }
 

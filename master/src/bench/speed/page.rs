@@ -1,6 +1,7 @@
 //! The record as a page of Markdown and as a table.
 
 use super::{Record, Row};
+use crate::bench::machine;
 use crate::record::Error;
 use fluid::StageTimes;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,7 @@ fn cells(row: &Row) -> [String; 14] {
 
 fn markdown(record: &Record) -> String {
     let mut text = "# Cost of an internal step\n\n".to_string();
-    text += &circumstances(record);
+    text += &machine::table(&record.circumstances, record.load, record.repeats);
     text += "## Stages\n\nTimes per particle and internal step, wall-clock. Memory is the growth of the process over \
              particles; it says something for many particles, run first.\n\n";
     text += &format!("| {} |\n|{}\n", HEADER.join(" | "), "---|".repeat(HEADER.len()));
@@ -95,22 +96,6 @@ fn markdown(record: &Record) -> String {
         );
     }
     text
-}
-
-fn circumstances(record: &Record) -> String {
-    let it = &record.circumstances;
-    let load = |load: Option<f64>| load.map_or_else(|| "unknown".to_string(), |load| format!("{load:.1}"));
-    format!(
-        "| | |\n|---|---|\n| date | {} |\n| machine | {} |\n| running processes before and after, mean of a minute | {} \
-         and {} |\n| commit | {} |\n| command | `{}` |\n| repeats | {}, the fastest counts |\n\n",
-        it.date,
-        it.machine,
-        load(record.load.0),
-        load(record.load.1),
-        if it.commit.is_empty() { "unknown" } else { &it.commit },
-        it.command,
-        record.repeats
-    )
 }
 
 /// Speed-up of the cases that ran on one thread and on more, and the serial share that explains it (Amdahl 1967).
