@@ -73,6 +73,7 @@ pub fn structure(scene: &Scene) -> Result<structure::Parameters, Error> {
                 modes: beam_modes(beam)?,
                 middle: vector(beam.middle),
                 bending_stiffness: beam.bending_stiffness(),
+                deflection_limit: beam.deflection_limit() * beam.length,
                 damping_ratios,
             })
         }
@@ -86,9 +87,29 @@ pub fn structure(scene: &Scene) -> Result<structure::Parameters, Error> {
         beam,
         free: freedoms.map(|freedom| structure.free.contains(&freedom)),
         springs: structure.springs,
+        contact: contact(scene, structure),
         integrator: integrator(structure),
         tolerance: 1e-11,
         maximum_iterations: 20,
+    })
+}
+
+/// Depth behind a wall, over the depth under the cabin's weight, up to which a corner is pushed back.
+const CONTACT_REACH: f64 = 50.0;
+
+/// Contact of the corners of the rigid walls with the fixed walls.
+fn contact(scene: &Scene, structure: &Structure) -> Option<structure::ContactParameters> {
+    let given = structure.contact.as_ref()?;
+    let origin = vector(structure.origin);
+    let fixed = scene.fluid.iter().flat_map(|fluid| &fluid.wall).map(polyline);
+    let pairs = |line: Vec<Vector2<f64>>| line.windows(2).map(|pair| [pair[0] - origin, pair[1] - origin]).collect();
+    let beam = structure.beam.as_ref().map_or(0.0, |beam| beam.line_density() * beam.length);
+    Some(structure::ContactParameters {
+        stiffness: (structure.mass + beam) * -scene.gravity[1] / given.depth,
+        damping: given.damping,
+        reach: CONTACT_REACH * given.depth,
+        corners: structure.wall.iter().flat_map(|wall| vectors(&wall.points)).collect(),
+        walls: fixed.flat_map(|line| -> Vec<_> { pairs(line) }).collect(),
     })
 }
 
@@ -119,12 +140,14 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         probes: part.probe.iter().flat_map(probes).collect(),
         regions: part.region.iter().map(region).collect(),
         start: start(&part.start),
+        jitter: fluid::Jitter { amplitude: part.start.jitter, seed: part.start.seed },
         gauges: part.gauge.iter().map(|gauge| gauge.x).collect(),
     };
     let parameters = fluid::Parameters {
         density: part.density,
         gravity: vector(scene.gravity),
         attraction: part.attraction,
+        damping: part.damping.iter().map(damping).collect(),
         shaking,
         spacing: part.spacing,
         scheme: match part.scheme {
@@ -155,6 +178,10 @@ fn probes(probe: &scene::Probe) -> impl Iterator<Item = fluid::Probe> {
 
 fn region(region: &scene::Region) -> fluid::Region {
     fluid::Region { polygon: vectors(&region.polygon), on_body: region.on_body }
+}
+
+fn damping(zone: &scene::DampingZone) -> fluid::DampingZone {
+    fluid::DampingZone { from: zone.from, to: zone.to, rate: zone.rate }
 }
 
 fn start(start: &scene::Start) -> fluid::AffineVelocity {

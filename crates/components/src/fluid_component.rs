@@ -36,6 +36,7 @@ struct Parameters {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct StepReport {
     iterations: i32,
+    responses: i32,
     substeps: i32,
     suggested_step: f64,
     duration: f64,
@@ -202,6 +203,7 @@ impl Component for FluidComponent {
         progress.state.time = time + step;
         progress.report = StepReport {
             iterations: i32::try_from(report.iterations).unwrap_or(i32::MAX),
+            responses: i32::try_from(report.responses).unwrap_or(i32::MAX),
             substeps: i32::try_from(report.substeps).unwrap_or(i32::MAX),
             suggested_step: report.suggested_step,
             duration: step,

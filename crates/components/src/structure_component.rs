@@ -35,6 +35,7 @@ struct Outputs {
     tip: f64,
     kinetic: f64,
     potential: f64,
+    unknowns: i32,
     iterations: i32,
 }
 
@@ -109,7 +110,7 @@ impl Machinery {
         load
     }
 
-    fn outputs(&self, state: &structure::State, iterations: usize) -> Outputs {
+    fn outputs(&self, state: &structure::State, report: &structure::Report) -> Outputs {
         let length = self.body.beam.as_ref().map_or(0.0, |beam| beam.modes.length());
         // The solver's eta is positive along -x of the body.
         let deflection = |station: f64| -self.solver.deflection(state, station);
@@ -119,7 +120,8 @@ impl Machinery {
             tip: deflection(length),
             kinetic: self.solver.kinetic_energy(state),
             potential: self.solver.potential_energy(state),
-            iterations: i32::try_from(iterations).unwrap_or(i32::MAX),
+            unknowns: i32::try_from(report.unknowns).unwrap_or(i32::MAX),
+            iterations: i32::try_from(report.iterations).unwrap_or(i32::MAX),
         }
     }
 
@@ -171,7 +173,7 @@ impl StructureComponent {
         let machinery = Machinery::new(Arc::clone(&scene), self.modes, series)?;
         let mut state = machinery.solver.initial_state(&conversion::initial_modes(&scene))?;
         state.time = start;
-        self.state.outputs = machinery.outputs(&state, 0);
+        self.state.outputs = machinery.outputs(&state, &structure::Report::default());
         self.state.progress = Some(Progress { scene, start, state, last: None });
         self.machinery = Some(machinery);
         Ok(())
@@ -196,7 +198,7 @@ impl StructureComponent {
         };
         let (report, load) = result.map_err(|error| Failure::discard(error.to_string()))?;
         state.time = time + step;
-        self.state.outputs = machinery.outputs(&state, report.iterations);
+        self.state.outputs = machinery.outputs(&state, &report);
         let before = std::mem::replace(&mut progress.state, state);
         progress.last = Some(LastStep { before, load, added, duration: step });
         Ok(())

@@ -25,6 +25,7 @@ fn column(count: usize) -> Option<(Solver, State, f64)> {
         density: 1000.0,
         gravity: Vector2::new(0.0, -9.81),
         attraction: 0.0,
+        damping: Vec::new(),
         shaking: Shaking::default(),
         spacing,
         scheme: Scheme::Accurate(AccurateParameters::default()),

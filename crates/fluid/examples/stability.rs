@@ -140,6 +140,7 @@ impl Run {
             density: DENSITY,
             gravity: Vector2::new(0.0, -GRAVITY),
             attraction: 0.0,
+            damping: Vec::new(),
             shaking: Shaking::default(),
             spacing: depth / self.resolution,
             scheme: Scheme::Accurate(self.scheme.clone()),

@@ -26,6 +26,7 @@ fn parameters(spacing: f64, threads: usize) -> Parameters {
         density: 1000.0,
         gravity: Vector2::new(0.0, -9.81),
         attraction: 0.0,
+        damping: Vec::new(),
         shaking: Shaking::default(),
         spacing,
         scheme: Scheme::Accurate(AccurateParameters::default()),

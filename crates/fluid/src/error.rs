@@ -37,6 +37,19 @@ pub enum Error {
         /// What would be right.
         expected: String,
     },
+    /// The body meets a fixed wall.
+    #[error(
+        "the body's surface passes through a fixed wall at ({x}, {y}) m at t = {time} s; add [structure.contact] to \
+         let it rest there, end the run before, or give the body more room"
+    )]
+    Contact {
+        /// Place of the body's corner behind the wall \[m\].
+        x: f64,
+        /// Place of the body's corner behind the wall \[m\].
+        y: f64,
+        /// Time of the step's start \[s\].
+        time: f64,
+    },
     /// The pressure solve did not converge.
     #[error(
         "pressure solve at t = {time} s: relative residual {residual:e} after {iterations} iterations on {unknowns} \

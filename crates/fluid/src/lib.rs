@@ -11,6 +11,7 @@
 
 mod candidates;
 mod check;
+mod contact;
 mod error;
 mod fill;
 mod free_surface;
@@ -47,8 +48,8 @@ pub use kernel::Kernel;
 pub use neighbours::Neighbourhood;
 pub use observe::Observables;
 pub use parameters::{
-    AccurateParameters, AffineVelocity, Geometry, PaperParameters, Parameters, Probe, Region, Scheme, Shaking,
-    SolveParameters, Source,
+    AccurateParameters, AffineVelocity, DampingZone, Geometry, Jitter, PaperParameters, Parameters, Probe, Region,
+    Scheme, Shaking, SolveParameters, Source,
 };
 pub use report::{Report, StageTimes};
 pub use solver::{Solver, Workspace};

@@ -3,6 +3,8 @@
 use crate::Error;
 use kinematics::Body;
 use nalgebra::{Matrix2, Vector2};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 /// Numbers and methods.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +17,8 @@ pub struct Parameters {
     pub attraction: f64,
     /// Shaking of the whole scene, seen from a frame that moves with it.
     pub shaking: Shaking,
+    /// Zones in which waves die out; empty for none.
+    pub damping: Vec<DampingZone>,
     /// Particle spacing l0 \[m\].
     pub spacing: f64,
     /// Discretisation.
@@ -46,6 +50,36 @@ impl Shaking {
     pub fn acceleration(&self, time: f64) -> Vector2<f64> {
         let frequency = std::f64::consts::TAU / self.period;
         self.amplitude * (frequency * frequency * (frequency * time).cos())
+    }
+}
+
+/// A zone in which the water is slowed, so that waves die out before the end of a tank: the rate grows with the square of
+/// the way from `from` to `to`, and stays at its full value beyond.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DampingZone {
+    /// X where the damping begins \[m\].
+    pub from: f64,
+    /// X where it is full \[m\]; on either side of `from`.
+    pub to: f64,
+    /// Rate there \[1/s\]: du/dt = -rate u.
+    pub rate: f64,
+}
+
+impl DampingZone {
+    /// Rate at a place \[1/s\].
+    pub fn rate_at(&self, x: f64) -> f64 {
+        let way = ((x - self.from) / (self.to - self.from)).clamp(0.0, 1.0);
+        self.rate * way * way
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        within("damping.from", self.from, -1e9, 1e9)?;
+        within("damping.to", self.to, -1e9, 1e9)?;
+        within("damping.rate", self.rate, 0.0, 1e6)?;
+        if self.from != self.to {
+            return Ok(());
+        }
+        Err(Error::Parameter { name: "damping.to", got: self.to, expected: "another X than damping.from".to_string() })
     }
 }
 
@@ -172,6 +206,8 @@ pub struct Geometry {
     pub water: Vec<Vec<Vector2<f64>>>,
     /// Velocity of the water at the start, affine in the place.
     pub start: AffineVelocity,
+    /// Disorder of the particles at the start.
+    pub jitter: Jitter,
     /// Fixed walls, fluid on the left when walked along.
     pub fixed_walls: Vec<Vec<Vector2<f64>>>,
     /// The moving body.
@@ -184,6 +220,33 @@ pub struct Geometry {
     pub regions: Vec<Region>,
     /// Abscissae where the water level is reported \[m\].
     pub gauges: Vec<f64>,
+}
+
+/// A random displacement of every particle at the start. Runs that differ in the seed alone say how far an impact repeats.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Jitter {
+    /// Largest displacement along X and Y, in spacings, 0 (none) to 0.2.
+    pub amplitude: f64,
+    /// Number that decides the displacements.
+    pub seed: u64,
+}
+
+impl Jitter {
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        within("start.jitter", self.amplitude, 0.0, 0.2)
+    }
+
+    /// Displaces particles; the same seed gives the same places on every machine.
+    pub fn apply(&self, positions: &mut [Vector2<f64>], spacing: f64) {
+        if self.amplitude == 0.0 {
+            return;
+        }
+        let mut random = Pcg64Mcg::seed_from_u64(self.seed);
+        let mut share = || self.amplitude * spacing * random.random_range(-1.0..1.0);
+        for position in positions {
+            *position += Vector2::new(share(), share());
+        }
+    }
 }
 
 /// A velocity field u(r) = `constant` + `gradient` r.
@@ -225,6 +288,13 @@ impl Parameters {
         self.gravity + self.shaking.acceleration(time)
     }
 
+    /// Share of its velocity that water at a place keeps over `duration` \[s\].
+    #[inline]
+    pub fn kept_velocity(&self, place: &Vector2<f64>, duration: f64) -> f64 {
+        let rate: f64 = self.damping.iter().map(|zone| zone.rate_at(place.x)).sum();
+        (-rate * duration).exp()
+    }
+
     /// Checks every number against its range.
     pub fn validate(&self) -> Result<(), Error> {
         within("density", self.density, f64::MIN_POSITIVE, f64::MAX)?;
@@ -235,6 +305,7 @@ impl Parameters {
         within("shaking.amplitude.x", self.shaking.amplitude.x, -1e6, 1e6)?;
         within("shaking.amplitude.y", self.shaking.amplitude.y, -1e6, 1e6)?;
         within("shaking.period", self.shaking.period, 1e-6, 1e9)?;
+        self.damping.iter().try_for_each(DampingZone::validate)?;
         within("solve.tolerance", self.solve.tolerance, 1e-15, 0.1)?;
         within("solve.maximum_iterations", self.solve.maximum_iterations as f64, 1.0, 1e9)?;
         match &self.scheme {

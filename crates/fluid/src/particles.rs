@@ -2,6 +2,7 @@
 
 use crate::free_surface::is_beside_surface;
 use crate::parallel::{self, CHUNK, Lists};
+use crate::parameters::Parameters;
 use crate::prepare::{Prepared, Setting};
 use crate::state::State;
 use crate::walls::{Attachment, Walls};
@@ -29,6 +30,15 @@ pub fn correct(
         state.velocities[i] += force * time_step + change;
         state.positions[i] = prepared.positions[i] + change * time_step;
     }
+}
+
+/// Slows the water in the damping zones.
+pub fn slow(state: &mut State, parameters: &Parameters, duration: f64) {
+    if parameters.damping.is_empty() {
+        return;
+    }
+    let moved = state.velocities.par_iter_mut().zip(&state.positions).with_min_len(CHUNK);
+    moved.for_each(|(velocity, place)| *velocity *= parameters.kept_velocity(place, duration));
 }
 
 /// Moves interior particles away from crowds, by `shifting` spacings for a full Courant step and a one-sided crowd.

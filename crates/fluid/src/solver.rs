@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::check;
+use crate::contact::BodyContact;
 use crate::fill;
 use crate::grid::bounding_box;
 use crate::kernel::Kernel;
@@ -40,6 +41,7 @@ pub struct Solver {
     pub(crate) start: Vec<Vector2<f64>>,
     pub(crate) volumes: Vec<f64>,
     pub(crate) domain: (Vector2<f64>, Vector2<f64>),
+    pub(crate) contact: BodyContact,
     pub(crate) pool: rayon::ThreadPool,
 }
 
@@ -71,6 +73,7 @@ impl Solver {
     /// Makes a solver; refuses parameters out of range and impossible geometry.
     pub fn new(parameters: Parameters, geometry: Geometry) -> Result<Self, Error> {
         parameters.validate()?;
+        geometry.jitter.validate()?;
         check::walls_are_sound(&geometry, parameters.spacing)?;
         let mut filling = fill::fill(&geometry.water, parameters.spacing)?;
         let spacing = filling.effective_spacing;
@@ -94,6 +97,7 @@ impl Solver {
                 voronoi::relax::relax(&mut filling.positions, &filling.counts, water, spacing)
             }
         };
+        setting.geometry.jitter.apply(&mut filling.positions, spacing);
         let threads = setting.parameters.threads;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -110,7 +114,8 @@ impl Solver {
         let (low, high) = bounding_box(&all);
         let margin = (high - low).max();
         let domain = (low.add_scalar(-margin), high.add_scalar(margin));
-        Ok(Self { setting, start: filling.positions, volumes, domain, pool })
+        let contact = BodyContact::new(&setting.layout.panels, &walls, spacing);
+        Ok(Self { setting, contact, start: filling.positions, volumes, domain, pool })
     }
 
     /// Number of modes of the body; 0 without one.
@@ -309,6 +314,7 @@ impl Solver {
     /// The same limits with the speed of the walls on the way to `end` and there.
     fn limits_towards(&self, mut limits: Limits, state: &State, end: &Motion, left: f64) -> Result<Limits, Error> {
         if let Some(body) = &self.setting.geometry.body {
+            self.contact.check(body, end, state.time)?;
             for point in self.setting.layout.panels.iter().flatten() {
                 let place = body.position(*point, end);
                 self.check_inside(&place, state.time)?;

@@ -32,6 +32,7 @@ impl Solver {
             Scheme::Paper(_) => self.paper_step(state, pace, workspace, report)?,
             Scheme::Accurate(accurate) => self.accurate_step(accurate, state, pace, workspace, report)?,
         }
+        particles::slow(state, &self.setting.parameters, pace.time_step);
         report.substeps += 1;
         Ok(())
     }
@@ -115,7 +116,8 @@ impl Solver {
         report.reused += usize::from(!fresh);
         let mut watch = Watch::start();
         workspace.solution.clone_from(&state.pressures);
-        if !setting.geometry.active.is_empty() {
+        report.responses = setting.geometry.active.len();
+        if report.responses > 0 {
             if fresh {
                 self.prepare_responses(state, workspace, report)?;
             }

@@ -37,7 +37,8 @@ pub struct Segment {
 pub const FIXED: u32 = u32::MAX;
 
 impl Segment {
-    fn between(start: Vector2<f64>, end: Vector2<f64>, chain: u32, arc: f64, panel: u32) -> Self {
+    /// The piece from `start` to `end`.
+    pub fn between(start: Vector2<f64>, end: Vector2<f64>, chain: u32, arc: f64, panel: u32) -> Self {
         let along = end - start;
         let length = along.norm();
         let tangent = along / length;
@@ -340,6 +341,6 @@ impl Walls {
 }
 
 /// Whether two segments cross each other.
-fn crosses(a: &Segment, b: &Segment) -> bool {
+pub fn crosses(a: &Segment, b: &Segment) -> bool {
     a.is_crossed(&b.start, &b.end()) && b.is_crossed(&a.start, &a.end())
 }

@@ -31,12 +31,31 @@ pub struct Structure {
     /// The elastic beam.
     #[serde(default)]
     pub beam: Option<Beam>,
+    /// Contact of the corners of `wall` with the fluid's fixed walls; without it a run stops where they meet.
+    #[serde(default)]
+    pub contact: Option<Contact>,
     /// Time integration.
     #[serde(default)]
     pub integrator: Integrator,
     /// A constant load on the generalised coordinates \[N/m, N m/m, N per modal unit\], for scenes without water.
     #[serde(default)]
     pub constant_load: Vec<f64>,
+}
+
+/// Contact with fixed walls: a corner at the depth delta is pushed out by k delta (1 + damping delta'), without friction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Contact {
+    /// Depth to which one corner sinks under the cabin's weight \[m\]; decides the stiffness k.
+    pub depth: f64,
+    /// Share of its speed that an impact loses, over that speed \[s/m\].
+    pub damping: f64,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self { depth: 1e-4, damping: 5.0 }
+    }
 }
 
 /// A rigid degree of freedom.
@@ -73,6 +92,10 @@ pub struct Beam {
     /// Number of modes, 0 (rigid) to 8.
     #[serde(default = "three")]
     pub modes: usize,
+    /// Largest deflection over length for which the beam counts as linear; a run that exceeds it stops. Missing: 0.1
+    /// between fixed ends, 0.6 of a clamped one.
+    #[serde(default)]
+    pub deflection_limit: Option<f64>,
     /// Damping ratios of the modes; missing ones are 0.
     #[serde(default)]
     pub damping: Vec<f64>,
@@ -86,6 +109,14 @@ impl Beam {
     pub fn bending_stiffness(&self) -> f64 {
         let plane_strain = self.poisson_ratio.map_or(1.0, |nu| 1.0 - nu * nu);
         self.youngs_modulus * self.thickness.powi(3) / (12.0 * plane_strain)
+    }
+
+    /// Largest deflection over length for which the beam counts as linear.
+    pub fn deflection_limit(&self) -> f64 {
+        self.deflection_limit.unwrap_or(match self.support {
+            Support::FixedFixed => 0.1,
+            Support::ClampedFree => 0.6,
+        })
     }
 
     /// Line density rho h \[kg/m per metre of width\].

@@ -107,6 +107,9 @@ pub struct Fluid {
     /// Attraction of the water to the origin: an acceleration of minus this times the position \[1/s2\].
     #[serde(default)]
     pub attraction: f64,
+    /// Zones in which waves die out, for the ends of a tank that should not echo.
+    #[serde(default)]
+    pub damping: Vec<DampingZone>,
     /// Shaking of the tank, seen from a frame that moves with it.
     #[serde(default)]
     pub shaking: Shaking,
@@ -132,6 +135,23 @@ pub struct Start {
     pub velocity: Point,
     /// Velocity gradient \[1/s\], row by row: du/dx, du/dy; dv/dx, dv/dy.
     pub gradient: [Point; 2],
+    /// Largest random displacement of a particle along X and Y, in spacings (0 to 0.2). Runs that differ in the seed alone
+    /// say how far an impact repeats.
+    pub jitter: f64,
+    /// Number that decides the random displacements.
+    pub seed: u64,
+}
+
+/// A zone that slows the water: du/dt = -rate u, growing with the square of the way from `from` to `to`, full beyond.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DampingZone {
+    /// X where the damping begins \[m\].
+    pub from: f64,
+    /// X where it is full \[m\]; on either side of `from`.
+    pub to: f64,
+    /// Rate there \[1/s\]: some times the frequency of the longest wave that should die out.
+    pub rate: f64,
 }
 
 /// Displacement `amplitude` cos(2 pi t / `period`) of the tank from t = 0 on. The scene is seen from the tank: the water

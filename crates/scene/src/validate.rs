@@ -201,6 +201,16 @@ fn validate_fluid(check: &Checker, fluid: &Fluid, has_body: bool) -> Result<(), 
 fn validate_forcing(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
     check.point("fluid.start.velocity", fluid.start.velocity)?;
     check.points("fluid.start.gradient", &fluid.start.gradient, 2)?;
+    check.within("fluid.start.jitter", fluid.start.jitter, 0.0, 0.2)?;
+    for (i, zone) in fluid.damping.iter().enumerate() {
+        let key = |field: &str| format!("fluid.damping[{i}].{field}");
+        check.within(&key("from"), zone.from, -1e9, 1e9)?;
+        check.within(&key("to"), zone.to, -1e9, 1e9)?;
+        check.within(&key("rate"), zone.rate, 0.0, 1e6)?;
+        if zone.from == zone.to {
+            check.fail(&key("to"), zone.to, "another X than `from`")?;
+        }
+    }
     check.within("fluid.attraction", fluid.attraction, -1e6, 1e6)?;
     let shaking = &fluid.shaking;
     check.within("fluid.shaking.amplitude[0]", shaking.amplitude[0], -1e6, 1e6)?;
@@ -281,6 +291,11 @@ fn validate_structure(check: &Checker, structure: &Structure) -> Result<(), Erro
     for (i, wall) in structure.wall.iter().enumerate() {
         check.points(&format!("structure.wall[{i}].points"), &wall.points, 2)?;
     }
+    if let Some(contact) = &structure.contact {
+        check.within("structure.contact.depth", contact.depth, 1e-9, 1.0)?;
+        check.within("structure.contact.damping", contact.damping, 0.0, 1e6)?;
+        check.positive("structure.mass", structure.mass)?;
+    }
     if structure.beam.is_none() && structure.wall.is_empty() && structure.free.is_empty() {
         check.fail("structure", "empty", "a beam, a wall or a free degree of freedom")?;
     }
@@ -299,6 +314,7 @@ fn validate_beam(check: &Checker, beam: &Beam) -> Result<(), Error> {
     check.positive("structure.beam.density", beam.density)?;
     check.positive("structure.beam.youngs_modulus", beam.youngs_modulus)?;
     check.within("structure.beam.poisson_ratio", beam.poisson_ratio.unwrap_or(0.0), 0.0, 0.5)?;
+    check.within("structure.beam.deflection_limit", beam.deflection_limit(), 1e-6, 1e6)?;
     check.within("structure.beam.modes", beam.modes as f64, 0.0, 8.0)?;
     for (i, zeta) in beam.damping.iter().enumerate() {
         check.within(&format!("structure.beam.damping[{i}]"), *zeta, 0.0, 1.0)?;

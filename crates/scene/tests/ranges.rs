@@ -19,7 +19,8 @@ density = 1000.0
 spacing = 0.01
 threads = 1
 attraction = 1.0
-start = { velocity = [1.0, 0.0], gradient = [[1.0, 0.0], [0.0, -1.0]] }
+start = { velocity = [1.0, 0.0], gradient = [[1.0, 0.0], [0.0, -1.0]], jitter = 0.1, seed = 3 }
+damping = [{ from = 0.8, to = 1.0, rate = 5.0 }]
 shaking = { amplitude = [0.1, 0.0], period = 2.0 }
 water = [{ polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]] }]
 wall = [{ points = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]] }]
@@ -38,6 +39,7 @@ inertia = 1.0
 springs = [1.0, 2.0, 3.0]
 wall = [{ points = [[-0.1, 0.0], [0.1, 0.0]] }]
 constant_load = [1.0, 0.0]
+contact = { depth = 1e-3, damping = 1.0 }
 [structure.integrator]
 rho_infinity = 0.8
 beta = 0.25
@@ -50,6 +52,7 @@ thickness = 0.01
 density = 1000.0
 youngs_modulus = 1e6
 poisson_ratio = 0.3
+deflection_limit = 0.2
 modes = 2
 damping = [0.01]
 initial_modes = [0.1]
@@ -89,6 +92,10 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("fluid.density", &["-1", "0"], &["1e-3"]),
     ("fluid.spacing", &["-0.01", "0", "2e-4", "1e-300"], &["3e-4", "0.1"]),
     ("fluid.threads", &["-1", "1025"], &["0", "1024"]),
+    ("fluid.start.jitter", &["-0.1", "0.21"], &["0.0", "0.2"]),
+    ("fluid.damping.0.from", &["nan", "1e10"], &["0.5"]),
+    ("fluid.damping.0.to", &["0.8", "inf"], &["0.0"]),
+    ("fluid.damping.0.rate", &["-1.0", "1e7"], &["0.0", "1e6"]),
     ("fluid.attraction", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
     ("fluid.shaking.amplitude.0", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
     ("fluid.shaking.amplitude.1", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
@@ -123,6 +130,9 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("structure.beam.density", &["-1", "0"], &["1e-3"]),
     ("structure.beam.youngs_modulus", &["-1", "0"], &["1e-3"]),
     ("structure.beam.poisson_ratio", &["-0.01", "0.51"], &["0", "0.5"]),
+    ("structure.contact.depth", &["0.0", "2.0"], &["1e-9", "1.0"]),
+    ("structure.contact.damping", &["-1.0", "inf"], &["0.0"]),
+    ("structure.beam.deflection_limit", &["0.0", "inf"], &["1e-6", "1e6"]),
     ("structure.beam.modes", &["-1", "9"], &["1", "8"]),
     ("structure.beam.damping.0", &["-0.01", "1.01"], &["0", "1"]),
     ("coupling.relaxation", &["-1", "0", "1.01"], &["1e-6", "1"]),

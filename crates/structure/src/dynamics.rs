@@ -1,6 +1,7 @@
 //! The equations of motion `M(x) xdd + h(x, xd) + grad V(x) + C xd = Q` and their exact derivatives.
 
 use crate::Parameters;
+use crate::contact::Contact;
 use kinematics::{Motion, RIGID};
 use nalgebra::{DMatrix, DVector, DVectorView, Vector2};
 
@@ -26,6 +27,7 @@ pub struct Dynamics {
     squared_frequencies: DVector<f64>,
     /// 2 zeta omega of every mode.
     damping: DVector<f64>,
+    contact: Option<Contact>,
 }
 
 /// The body's axes and the beam's first moment at one position.
@@ -62,6 +64,7 @@ impl Dynamics {
             lever: DVector::zeros(0),
             squared_frequencies: DVector::zeros(0),
             damping: DVector::zeros(0),
+            contact: parameters.contact.as_ref().map(|contact| Contact::new(contact, parameters.angle)),
         };
         if let Some(beam) = &parameters.beam {
             let (modes, count) = (&beam.modes, beam.modes.count());
@@ -138,6 +141,9 @@ impl Dynamics {
             let weight = -self.gravity * pose.e1.y * self.psi0[i];
             out[RIGID + i] = centrifugal + weight + self.squared_frequencies[i] * q[i] + self.damping[i] * qd[i];
         }
+        if let Some(contact) = &self.contact {
+            contact.add_force(position, velocity, out);
+        }
     }
 
     /// Adds to `out`, n, the size of every force that `M xdd` and [`Dynamics::restoring_force`] are summed up from.
@@ -163,6 +169,9 @@ impl Dynamics {
             let centrifugal = spin * spin * ((self.middle.x * self.psi0[i]).abs() + q[i].abs());
             let bending = self.squared_frequencies[i] * q[i].abs() + self.damping[i] * qd[i].abs();
             out[RIGID + i] += centrifugal + self.gravity * self.psi0[i].abs() + bending;
+        }
+        if let Some(contact) = &self.contact {
+            contact.add_force_size(motion, out);
         }
     }
 
@@ -199,6 +208,9 @@ impl Dynamics {
             out[(column, 2)] = shared;
             out[(column, column)] = self.squared_frequencies[i] - spin * spin;
         }
+        if let Some(contact) = &self.contact {
+            contact.add_stiffness(position, velocity, out);
+        }
     }
 
     /// d(h + C xd)/d(xd) into `out`, n x n; not symmetric.
@@ -219,6 +231,9 @@ impl Dynamics {
             out[(column, 2)] = 2.0 * spin * (self.middle.x * psi0 - q[i]);
             out[(column, column)] = self.damping[i];
         }
+        if let Some(contact) = &self.contact {
+            contact.add_velocity_tangent(position, velocity, out);
+        }
     }
 
     /// T = 1/2 xd.M(x) xd, J per metre of width.
@@ -226,15 +241,19 @@ impl Dynamics {
         0.5 * velocity.dot(&self.momenta(position, velocity))
     }
 
-    /// V, J per metre of width: weight (zero with o_R at its place in the scene and everything at its height), springs
-    /// and bending.
+    /// V, J per metre of width: weight (zero with o_R at its place in the scene and everything at its height), springs,
+    /// contact and bending.
     ///
     /// Print to mind: (A5) has the beam's centre without its deflection; here m_b carries it.
     pub fn potential_energy(&self, position: &DVector<f64>) -> f64 {
         let weight = self.gravity * (self.mass * position[1] + self.pose(position).arm().y);
         let q = modal(position);
         let springs = self.springs.iter().zip(position.iter()).map(|(spring, x)| 0.5 * spring * x * x).sum::<f64>();
-        weight + springs + 0.5 * (0..self.modes()).map(|i| self.squared_frequencies[i] * q[i] * q[i]).sum::<f64>()
+        let contact = self.contact.as_ref().map_or(0.0, |contact| contact.energy(position));
+        weight
+            + springs
+            + contact
+            + 0.5 * (0..self.modes()).map(|i| self.squared_frequencies[i] * q[i] * q[i]).sum::<f64>()
     }
 
     /// Linear momentum in the global frame, kg m/s per metre of width.

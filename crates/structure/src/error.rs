@@ -82,6 +82,21 @@ pub enum Error {
         /// What it should have come down to.
         tolerance: f64,
     },
+    /// A deflection beyond which the beam is no longer linear.
+    #[error(
+        "the beam deflects by {deflection} m at {station} m along it at t = {time} s, beyond {limit} m, up to which it counts as \
+         linear; use a stiffer beam, or raise structure.beam.deflection_limit knowing that stretching and rotation are left out"
+    )]
+    Deflection {
+        /// What the step gave, m.
+        deflection: f64,
+        /// Where along the beam, m.
+        station: f64,
+        /// End of the step, s.
+        time: f64,
+        /// Limit, m.
+        limit: f64,
+    },
     /// A system matrix that could not be factorised.
     #[error(
         "the {matrix} of {size} free coordinates is singular at t = {time} s; use a smaller step or check the masses"

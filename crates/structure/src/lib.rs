@@ -12,6 +12,7 @@
 //! - [`Solver::sensitivity`]: derivatives of a step by its load.
 
 mod added_mass;
+mod contact;
 mod dynamics;
 mod error;
 mod newton;
@@ -25,6 +26,6 @@ mod system;
 pub use added_mass::AddedMass;
 pub use dynamics::Dynamics;
 pub use error::Error;
-pub use parameters::{BeamParameters, Integrator, Parameters};
+pub use parameters::{BeamParameters, ContactParameters, Integrator, Parameters};
 pub use solver::Solver;
 pub use state::{Report, Sensitivity, State, Workspace};

@@ -21,7 +21,7 @@ impl Solver {
             self.scheme.point(&state.motion, start, &workspace.end, &mut workspace.point);
             let residual = self.residual(load, workspace);
             if residual <= tolerance {
-                return Ok(Report { iterations, residual });
+                return Ok(Report { unknowns: self.free.count(), iterations, residual });
             }
             if iterations == maximum || !residual.is_finite() {
                 return Err(Error::NotConverged { time: state.time, duration, iterations, residual, tolerance });

@@ -21,6 +21,8 @@ pub struct Parameters {
     pub free: [bool; 3],
     /// Springs that pull X, Y and theta back to the scene's pose, N/m, N/m and N m/rad per metre of width, at least 0.
     pub springs: [f64; 3],
+    /// Contact with fixed walls; none where the cabin cannot meet any.
+    pub contact: Option<ContactParameters>,
     /// Time integration.
     pub integrator: Integrator,
     /// Bound of the relative residual at which Newton-Raphson stops, in [1e-13, 1e-2]; 1e-11 costs one iteration more than 1e-6.
@@ -40,8 +42,25 @@ pub struct BeamParameters {
     ///
     /// Print to mind: table 1 of the paper has the thickness 0.04 mm, which fits its frequencies for no bulkhead of that cabin.
     pub bending_stiffness: f64,
+    /// Largest deflection for which the linear beam counts as valid, m; a step that would exceed it is an error.
+    pub deflection_limit: f64,
     /// zeta of every mode (share of critical damping, at least 0), or empty for none.
     pub damping_ratios: Vec<f64>,
+}
+
+/// Contact of the cabin's corners with fixed walls: F = k delta (1 + a delta') at a depth delta.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactParameters {
+    /// k, N/m per metre of width.
+    pub stiffness: f64,
+    /// a, s/m: an impact of speed v loses about the share a v of its speed, all of it at most.
+    pub damping: f64,
+    /// Depth up to which a corner counts as behind a wall, m; farther it stands behind another one's back.
+    pub reach: f64,
+    /// Corners in the body frame, m.
+    pub corners: Vec<Vector2<f64>>,
+    /// Straight walls from start to end, seen from the place of o_R in the scene, m, with the free side on the left.
+    pub walls: Vec<[Vector2<f64>; 2]>,
 }
 
 /// Time integration.
@@ -97,6 +116,9 @@ impl Parameters {
         if let Some(beam) = &self.beam {
             beam.validate()?;
         }
+        if let Some(contact) = &self.contact {
+            contact.validate()?;
+        }
         self.integrator.validate()
     }
 }
@@ -112,6 +134,8 @@ impl BeamParameters {
             stiffness > 0.0,
             "positive and finite; a rigid beam has 0 modes instead",
         )?;
+        let limit = self.deflection_limit;
+        check("the limit of the deflection [m]", limit, limit > 0.0, "positive and finite")?;
         let (expected, got) = (self.modes.count(), self.damping_ratios.len());
         if got != 0 && got != expected {
             return Err(Error::Length { what: "the list of damping ratios", expected, got });
@@ -145,6 +169,6 @@ impl Integrator {
     }
 }
 
-fn check(what: &str, value: f64, inside: bool, range: &'static str) -> Result<(), Error> {
+pub(crate) fn check(what: &str, value: f64, inside: bool, range: &'static str) -> Result<(), Error> {
     if inside && value.is_finite() { Ok(()) } else { Err(Error::Parameter { what: what.to_string(), value, range }) }
 }

@@ -7,6 +7,9 @@ use crate::{Dynamics, Error, Parameters, Report, State, Workspace};
 use kinematics::{Motion, RIGID};
 use nalgebra::{Cholesky, DVector, Dyn, Vector2};
 
+/// Places along a beam at which its deflection is checked.
+const STATIONS: usize = 8;
+
 /// Integrates a cabin with a beam under generalised loads.
 ///
 /// A step from t to t + H solves the equations of [`Dynamics`] for the acceleration a1 of the free coordinates, with the load Q held over the step
@@ -90,12 +93,13 @@ impl Solver {
         self.check(state, load, duration)?;
         if self.free.count() == 0 {
             state.time += duration;
-            return Ok(Report { iterations: 0, residual: 0.0 });
+            return Ok(Report { unknowns: 0, iterations: 0, residual: 0.0 });
         }
         let held = DVector::from_column_slice(load);
         let mass = self.mass_at(&state.motion.position, state.time, workspace)?;
         let start = self.start_acceleration(state, &held, &mass, workspace);
         let report = self.iterate(state, &start, &held, duration, workspace)?;
+        self.check_deflection(workspace.end.position.as_slice(), state.time + duration)?;
         let acceleration = self.end_acceleration(state.time, &held, workspace)?;
         // From here on nothing can fail.
         state.algorithmic_acceleration = self.scheme.remembers.then(|| workspace.end.acceleration.clone());
@@ -191,6 +195,20 @@ impl Solver {
         let position = workspace.end.position.clone();
         let mass = self.mass_at(&position, time, workspace)?;
         Ok(self.equilibrium(&workspace.end, load, &mass, &mut workspace.restoring))
+    }
+
+    /// Refuses a beam bent beyond what a linear one bears.
+    fn check_deflection(&self, position: &[f64], time: f64) -> Result<(), Error> {
+        let Some(beam) = self.parameters.beam.as_ref().filter(|beam| beam.modes.count() > 0) else { return Ok(()) };
+        let limit = beam.deflection_limit;
+        for part in 1..=STATIONS {
+            let station = beam.modes.length() * part as f64 / STATIONS as f64;
+            let deflection = beam.modes.deflection(station, &position[RIGID..]);
+            if deflection.abs() > limit {
+                return Err(Error::Deflection { deflection, station, time, limit });
+            }
+        }
+        Ok(())
     }
 
     pub(crate) fn check(&self, state: &State, load: &[f64], duration: f64) -> Result<(), Error> {

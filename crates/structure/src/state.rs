@@ -55,8 +55,10 @@ impl Workspace {
 }
 
 /// How a step went.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
+    /// Coordinates solved for: the free ones of the rigid part, and the modes.
+    pub unknowns: usize,
     /// Newton-Raphson iterations (linear systems solved).
     pub iterations: usize,
     /// Last relative residual: residual force over the sizes of all forces, both weighted by the diagonal of the mass matrix.

@@ -1,16 +1,20 @@
-//! Communication points. Time is start + n H with n a multiple of a power of 1/2, never a running sum.
+//! Communication points. Time is start + n H with n a whole number of ticks of 2^-k, never a running sum.
 
 /// Steps in a row that must converge before a halved step is doubled again.
 const STEPS_BEFORE_GROWTH: u32 = 4;
+/// Ticks of the smallest step, as a power of 2: parts of a communication step are equal to this precision.
+const TICKS: u32 = 10;
 
 /// Where a run stands and how long its next step is.
+///
+/// What is left up to the next communication point is divided into equal steps, as few as are no longer than allowed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
     start: f64,
     step: f64,
     steps: u64,
     finest: u32,
-    /// Position in units of step / 2^finest.
+    /// Position in units of step / 2^(finest + TICKS).
     tick: u64,
     level: u32,
     streak: u32,
@@ -19,7 +23,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// From `start` to the first multiple of `step` at or after `end`; steps may be halved down to `smallest`
+    /// From `start` to the first multiple of `step` at or after `end`; steps may be divided down to `smallest`
     /// (all in seconds, step and smallest positive).
     pub fn new(start: f64, end: f64, step: f64, smallest: f64) -> Self {
         let steps = steps_between(start, end, step);
@@ -29,24 +33,22 @@ impl Clock {
 
     /// Current time \[s\].
     pub fn time(&self) -> f64 {
-        let parts = (1_u64 << self.finest) as f64;
-        self.start + self.step * (self.tick as f64 / parts)
+        self.start + self.step * (self.tick as f64 / self.parts() as f64)
     }
 
     /// Duration of the next step \[s\].
     pub fn duration(&self) -> f64 {
-        self.step / (1_u64 << self.level) as f64
+        self.step * (self.next() as f64 / self.parts() as f64)
     }
 
     /// Whether the end is reached.
     pub fn finished(&self) -> bool {
-        self.tick >= self.steps << self.finest
+        self.tick >= self.steps * self.parts()
     }
 
     /// Whether the clock stands at a full communication point, and its number.
     pub fn point(&self) -> Option<u64> {
-        let parts = 1_u64 << self.finest;
-        self.tick.is_multiple_of(parts).then_some(self.tick / parts)
+        self.tick.is_multiple_of(self.parts()).then_some(self.tick / self.parts())
     }
 
     /// Full communication steps in the whole run.
@@ -54,33 +56,43 @@ impl Clock {
         self.steps
     }
 
-    /// Moves to the end of the step; doubles a halved step after some successes, where it fits the grid.
+    /// Moves to the end of the step; doubles a step that was halved after some successes.
     pub fn advance(&mut self) {
-        self.tick += 1 << (self.finest - self.level);
+        self.tick += self.next();
         self.streak += 1;
-        let coarser = 1_u64 << (self.finest + 1 - self.level.max(1));
-        let wanted = 2.0 * self.duration() <= self.longest;
-        if self.level > 0 && wanted && self.streak >= STEPS_BEFORE_GROWTH && self.tick.is_multiple_of(coarser) {
+        if self.level > 0 && self.streak >= STEPS_BEFORE_GROWTH {
             self.level -= 1;
             self.streak = 0;
         }
     }
 
-    /// Halves the next steps until they are no longer than `longest` \[s\], or the smallest allowed.
+    /// Keeps the next steps no longer than `longest` \[s\], or the smallest allowed.
     pub fn limit(&mut self, longest: f64) {
         self.longest = longest;
-        while self.duration() > longest && self.level < self.finest {
-            self.level += 1;
-            self.streak = 0;
-        }
     }
 
     /// Halves the step; false when it is the smallest already.
     pub fn halve(&mut self) -> bool {
         self.streak = 0;
-        let possible = self.level < self.finest;
-        self.level += u32::from(possible);
-        possible
+        let before = self.next();
+        while self.level < self.finest && self.next() == before {
+            self.level += 1;
+        }
+        self.next() < before
+    }
+
+    /// Ticks of a communication step.
+    fn parts(&self) -> u64 {
+        1 << (self.finest + TICKS)
+    }
+
+    /// Ticks of the next step.
+    fn next(&self) -> u64 {
+        let left = self.parts() - self.tick % self.parts();
+        let halved = self.parts() >> self.level;
+        let wanted = (self.longest / self.step * self.parts() as f64 * (1.0 + 1e-12)) as u64;
+        let most = wanted.min(halved).max(1 << TICKS);
+        left / left.div_ceil(most)
     }
 }
 
@@ -127,11 +139,25 @@ mod tests {
         (0..6).for_each(|_| clock.advance());
         assert_eq!((clock.duration(), clock.time()), (0.5, 3.0));
         clock.limit(1.1);
-        clock.advance();
-        clock.advance();
-        assert_eq!((clock.duration(), clock.time()), (1.0, 4.0));
+        assert_eq!(clock.duration(), 1.0);
         clock.limit(1e-9);
         assert_eq!(clock.duration(), 0.25, "never below the smallest");
+    }
+
+    #[test]
+    fn what_is_left_is_divided_equally() {
+        let mut clock = Clock::new(0.0, 1.0, 1.0, 1.0 / 64.0);
+        clock.limit(0.4);
+        assert!((clock.duration() - 1.0 / 3.0).abs() < 1e-4, "{}", clock.duration());
+        clock.advance();
+        clock.limit(0.2);
+        let mut steps = 0;
+        while !clock.finished() {
+            assert!((clock.duration() - 1.0 / 6.0).abs() < 1e-4, "{}", clock.duration());
+            clock.advance();
+            steps += 1;
+        }
+        assert_eq!((steps, clock.time(), clock.point()), (4, 1.0, Some(1)));
     }
 
     #[test]

@@ -200,6 +200,12 @@ fn numbers() -> Vec<Row> {
         Row::integer(384, "solver.substeps", "internal time steps in the last step", |this, _| {
             this.state.progress.as_ref().map_or(0, |progress| progress.report.substeps)
         }),
+        Row::integer(
+            385,
+            "solver.responses",
+            "unit responses that the last step rests on, one per coordinate that answers to the load",
+            |this, _| this.state.progress.as_ref().map_or(0, |progress| progress.report.responses),
+        ),
     ]
 }
 

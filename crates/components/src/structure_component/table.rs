@@ -95,6 +95,12 @@ fn outputs() -> Vec<Row> {
         Row::integer(304, "solver.iterations", "Newton-Raphson iterations of the last step", |this, _| {
             this.state.outputs.iterations
         }),
+        Row::integer(
+            305,
+            "solver.unknowns",
+            "coordinates solved for in the last step: free ones and modes",
+            |this, _| this.state.outputs.unknowns,
+        ),
         Row::real(
             320,
             "stage.step",

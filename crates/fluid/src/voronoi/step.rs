@@ -90,11 +90,28 @@ pub fn shift(
         state.positions.par_iter_mut().zip(&mut state.velocities).zip(&*scratch).with_min_len(CHUNK).enumerate();
     moved.for_each(|(i, ((position, velocity), way))| {
         *position += way;
-        *velocity += prepared.gradients[i] * way;
+        *velocity += change_along(prepared, i, way);
     });
     if close.into_inner() {
         part_pairs(state, prepared, setting.spacing, scratch);
     }
+}
+
+/// Change of the velocity field from particle i over `way`, which makes no new extremes: up to what its neighbours have
+/// beyond it. A particle that is faster than all others tilts its own gradient; moved back along it again and again it would
+/// get faster each time.
+fn change_along(prepared: &Prepared, i: usize, way: &Vector2<f64>) -> Vector2<f64> {
+    if *way == Vector2::zeros() {
+        return Vector2::zeros();
+    }
+    let velocities = &prepared.velocities;
+    let (mut low, mut high) = (Vector2::zeros(), Vector2::zeros());
+    for facet in prepared.cells.facets.of(i) {
+        let beyond = velocities[facet.neighbour as usize] - velocities[i];
+        low = low.inf(&beyond);
+        high = high.sup(&beyond);
+    }
+    (prepared.gradients[i] * way).sup(&low).inf(&high)
 }
 
 /// Distance in spacings below which two particles are parted whatever the flow does.

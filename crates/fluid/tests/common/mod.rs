@@ -29,6 +29,7 @@ pub fn parameters(scheme: Scheme, spacing: f64, tolerance: f64, threads: usize) 
         density: 1000.0,
         gravity: Vector2::new(0.0, -9.81),
         attraction: 0.0,
+        damping: Vec::new(),
         shaking: Shaking::default(),
         spacing,
         scheme,

@@ -14,7 +14,13 @@ pub fn beam(support: Support, count: usize, frequency: f64) -> BeamParameters {
     let modes = BeamModes::new(support, LENGTH, LINE_DENSITY, count).unwrap();
     let unit = BeamModes::new(support, LENGTH, LINE_DENSITY, 1).unwrap().frequency(0, 1.0);
     let bending_stiffness = (frequency / unit).powi(2);
-    BeamParameters { modes, middle: Vector2::new(0.05, 0.03), bending_stiffness, damping_ratios: Vec::new() }
+    BeamParameters {
+        modes,
+        middle: Vector2::new(0.05, 0.03),
+        bending_stiffness,
+        deflection_limit: f64::MAX,
+        damping_ratios: Vec::new(),
+    }
 }
 
 /// A cabin of the paper's mass with a beam that stands off its centre of gravity, nothing locked.
@@ -27,6 +33,7 @@ pub fn cabin(count: usize, frequency: f64, gravity: f64) -> Parameters {
         beam: Some(beam(Support::FixedFixed, count, frequency)),
         free: [true; 3],
         springs: [0.0; 3],
+        contact: None,
         integrator: AVERAGE,
         tolerance: 1e-12,
         maximum_iterations: 20,
@@ -42,6 +49,7 @@ pub fn clamped(support: Support, count: usize, frequency: f64) -> Parameters {
         beam: Some(beam(support, count, frequency)),
         free: [false; 3],
         springs: [0.0; 3],
+        contact: None,
         ..cabin(0, 1.0, 0.0)
     }
 }
