@@ -9,8 +9,8 @@ use crate::pack;
 use crate::participant::Participant;
 use crate::progress::Progress;
 use crate::record::{Status, Summary};
-use crate::report::{Short, prepare_font};
-use crate::reproduce::{self, CabinArguments, Model, Reproduce};
+use crate::report::Short;
+use crate::reproduce::{self, Reproduce};
 use crate::run::Outcome;
 use crate::scene_case::{self, Places};
 use clap::{Parser, Subcommand};
@@ -23,8 +23,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What runs when nothing is asked.
 const DEFAULT_SCENE: &str = "dam_break_plate";
-/// Scene of the paper's cabins.
-const CABIN: &str = "damaged_cabin";
 /// Exit code of a run that the user ended (128 + SIGINT).
 const INTERRUPTED: u8 = 130;
 
@@ -86,23 +84,24 @@ enum Command {
     Reproduce(Reproduce),
 }
 
+/// What to run and where its results go.
 #[derive(Debug, clap::Args)]
-struct RunArguments {
+pub(crate) struct RunArguments {
     /// Name of a scene, or path of a scene or case file.
     #[arg(value_name = "SCENE-OR-CASE")]
-    target: String,
+    pub(crate) target: String,
     /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
     #[arg(long, value_name = "KEY.PATH=VALUE")]
-    set: Vec<String>,
+    pub(crate) set: Vec<String>,
     /// Folder for the results [default: results/NAME].
     #[arg(long)]
-    out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// Threads of the fluid; 0 takes all processors [default: as the scene says].
     #[arg(long)]
-    threads: Option<usize>,
+    pub(crate) threads: Option<usize>,
     /// Print nothing but errors.
     #[arg(long)]
-    quiet: bool,
+    pub(crate) quiet: bool,
 }
 
 type Failure = Box<dyn Error>;
@@ -118,7 +117,7 @@ pub fn main() -> ExitCode {
         Some(Command::ListScenes) => list_scenes(),
         Some(Command::Bench(Bench::Accuracy(arguments))) => accuracy(&arguments),
         Some(Command::Bench(Bench::Speed(arguments))) => speed(&arguments),
-        Some(Command::Reproduce(Reproduce::Cabin(arguments))) => reproduce_cabin(&arguments),
+        Some(Command::Reproduce(what)) => reproduce(&what),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error}");
@@ -139,7 +138,10 @@ fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
 }
 
 /// Runs a scene or a case and writes everything about it into the folder that is returned.
-fn execute(arguments: &RunArguments, interrupted: &AtomicBool) -> Result<(Summary, Outcome, PathBuf), Failure> {
+pub(crate) fn execute(
+    arguments: &RunArguments,
+    interrupted: &AtomicBool,
+) -> Result<(Summary, Outcome, PathBuf), Failure> {
     let overrides = overrides(&arguments.set)?;
     let path = locate(&arguments.target)?;
     let name = scene_case::scene_name(&path);
@@ -307,28 +309,10 @@ fn accuracy(arguments: &bench::AccuracyArguments) -> Result<ExitCode, Failure> {
     Ok(if ended { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
-fn reproduce_cabin(arguments: &CabinArguments) -> Result<ExitCode, Failure> {
+fn reproduce(what: &Reproduce) -> Result<ExitCode, Failure> {
     let interrupted = watch_for_interruption()?;
-    let mut models = Vec::new();
-    for (name, youngs_modulus, change) in reproduce::cabin::MODELS {
-        let mut set = vec![format!("fluid.spacing={}", arguments.spacing), format!("run.end={}", arguments.end)];
-        set.push(change.to_string());
-        let out = Some(arguments.out.join(format!("model-{name}")));
-        let run = RunArguments { target: CABIN.to_string(), set, out, threads: arguments.threads, quiet: false };
-        eprintln!("model {name}");
-        let (summary, outcome, _) = execute(&run, &interrupted)?;
-        if let Some(error) = &summary.error {
-            eprintln!("error: model {name}: {error}");
-        }
-        models.push(Model { name, youngs_modulus, summary, series: outcome.series });
-        if interrupted.load(Ordering::Relaxed) {
-            break;
-        }
-    }
-    prepare_font();
-    let page = reproduce::page::write(&models, arguments.spacing, &arguments.out)?;
+    let (page, complete) = reproduce::run(what, &pack::scenes_folder()?, &interrupted)?;
     println!("report: {}", page.display());
-    let complete = models.iter().all(|model| model.summary.status == Status::Complete);
     Ok(match (interrupted.load(Ordering::Relaxed), complete) {
         (true, _) => ExitCode::from(INTERRUPTED),
         (false, true) => ExitCode::SUCCESS,

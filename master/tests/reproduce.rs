@@ -15,15 +15,64 @@ fn plimsoll(arguments: &[&str]) -> String {
 fn four_cabins_become_one_page() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    plimsoll(&["reproduce", "cabin", "--spacing", "0.04", "--end", "0.005", "--out", out]);
+    let set = ["--spacing", "0.04", "--end", "0.006", "--out", out];
+    plimsoll(&[&["reproduce", "cabin"][..], &set].concat());
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 9, "seven histories and two profiles");
+    assert_eq!(page.matches("<svg").count(), 11, "seven histories, two profiles, load and energy");
+    assert_eq!(page.matches("data:image/png;base64,").count(), 3, "pressure, speed, and first and last frame in motion");
     assert!(page.contains("<td>IV</td><td>rigid</td><td>Complete</td>"), "the rigid bulkhead ran");
     // The paper's peak at P2 with a rigid bulkhead stands beside ours.
-    assert!(page.contains("(56.15)"));
-    for model in ["model-I", "model-II", "model-III", "model-IV"] {
-        assert!(folder.path().join(model).join("results.csv").is_file(), "{model}");
+    assert!(page.contains("(56.15)") && page.contains("Misprints of the paper"));
+    // Kept, nothing runs again; with a bulkhead elsewhere the same folder serves as the other spacing.
+    let results = folder.path().join("model-IV").join("results.csv");
+    let written = std::fs::metadata(&results).unwrap().modified().unwrap();
+    plimsoll(&[&["reproduce", "cabin", "--keep", "--against", out][..], &set].concat());
+    assert_eq!(std::fs::metadata(&results).unwrap().modified().unwrap(), written);
+    assert!(std::fs::read_to_string(folder.path().join("report.html")).unwrap().contains("Convergence"));
+}
+
+#[test]
+fn every_variant_of_the_cabin_starts() {
+    for variant in ["bottom", "two-openings", "bulkhead-forward", "fixed", "roll-only"] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().to_str().unwrap();
+        plimsoll(&["reproduce", "cabin", "--variant", variant, "--spacing", "0.04", "--end", "0.004", "--out", out]);
+        let text = std::fs::read_to_string(folder.path().join("model-IV").join("results.csv")).unwrap();
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let header = reader.headers().unwrap().clone();
+        let last = reader.records().last().unwrap().unwrap();
+        // A cabin that neither moves nor bends takes no part: it has no columns.
+        let last_of = |name: &str| header.iter().position(|it| it == name).map_or("0", |column| &last[column]);
+        // A rigid bulkhead adds no coordinate, and a held cabin none at all.
+        let expected = match variant {
+            "fixed" => "0",
+            "roll-only" => "1",
+            _ => "3",
+        };
+        let counts = (last_of("structure.solver.unknowns [1]"), last_of("fluid.solver.responses [1]"));
+        assert_eq!(counts, (expected, expected), "{variant}");
     }
+}
+
+#[test]
+fn the_paper_becomes_one_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let set = ["--spacing", "0.04", "--plate", "0.02", "--end", "0.006", "--out", out];
+    plimsoll(&[&["reproduce", "paper"][..], &set].concat());
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("Dam break on an elastic plate") && page.contains("The damaged cabin"));
+}
+
+#[test]
+fn the_study_has_error_bars() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let set = ["--spacing", "0.04", "--end", "0.004", "--repeats", "2", "--parts", "opening", "--out", out];
+    plimsoll(&[&["reproduce", "stiffness"][..], &set].concat());
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("Against height of the opening") && page.contains('\u{b1}'));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 9, "four points twice, and the page");
 }
 
 #[test]

@@ -35,6 +35,7 @@ struct Outputs {
     tip: f64,
     kinetic: f64,
     potential: f64,
+    momentum: [f64; 2],
     unknowns: i32,
     iterations: i32,
 }
@@ -120,6 +121,7 @@ impl Machinery {
             tip: deflection(length),
             kinetic: self.solver.kinetic_energy(state),
             potential: self.solver.potential_energy(state),
+            momentum: self.solver.linear_momentum(state).into(),
             unknowns: i32::try_from(report.unknowns).unwrap_or(i32::MAX),
             iterations: i32::try_from(report.iterations).unwrap_or(i32::MAX),
         }

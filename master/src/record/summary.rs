@@ -89,6 +89,15 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Reads a summary that was written.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no summary.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|error| Error::new(path, error))?;
+        serde_json::from_str(&text).map_err(|error| Error::new(path, error))
+    }
+
     /// Writes the summary as JSON.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let text = serde_json::to_string_pretty(self).map_err(|error| Error::new(path, error))?;

@@ -65,6 +65,16 @@ impl Chart {
         save(&svg, stem)
     }
 
+    /// The drawing itself.
+    ///
+    /// # Errors
+    /// Axes that cannot be drawn.
+    pub fn svg(&self) -> Result<String, Error> {
+        let mut svg = String::new();
+        self.draw_svg(&mut svg).map_err(|error| Error::new(Path::new(&self.title), error))?;
+        Ok(svg)
+    }
+
     fn draw_svg(&self, svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
         let area = SVGBackend::with_string(svg, SIZE).into_drawing_area();
         area.fill(&WHITE)?;

@@ -20,10 +20,48 @@ pub struct Panel {
     pub title: String,
     /// Places of particles \[m\].
     pub particles: Vec<[f32; 2]>,
-    /// Pressure of each particle \[Pa\].
-    pub pressures: Vec<f32>,
+    /// What colours each particle, in SI: its pressure or its speed.
+    pub values: Vec<f32>,
     /// Lines of walls and structure: start and end \[m\].
     pub lines: Vec<[[f32; 2]; 2]>,
+}
+
+impl Panel {
+    /// The square of half side `half` around a place, under another title.
+    pub fn around(self, centre: [f64; 2], half: f64, title: &str) -> Self {
+        let near = |place: &[f32; 2]| (0..2).all(|axis| (f64::from(place[axis]) - centre[axis]).abs() <= half);
+        let kept = self.particles.into_iter().zip(self.values).filter(|(place, _)| near(place));
+        let (particles, values) = kept.unzip();
+        let lines = self.lines.into_iter().filter(|line| line.iter().any(near)).collect();
+        Self { title: title.to_string(), particles, values, lines }
+    }
+}
+
+/// What the colours of particles show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Quantity {
+    /// Pressure, shown in kPa.
+    #[default]
+    Pressure,
+    /// Speed in m/s.
+    Speed,
+}
+
+impl Quantity {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Pressure => "p [kPa]",
+            Self::Speed => "u [m/s]",
+        }
+    }
+
+    /// Size of the shown unit in SI.
+    fn unit(self) -> f64 {
+        match self {
+            Self::Pressure => 1000.0,
+            Self::Speed => 1.0,
+        }
+    }
 }
 
 /// Panels with a common view and colour bar.
@@ -33,13 +71,15 @@ pub struct FieldFigure {
     pub panels: Vec<Panel>,
     /// Panels side by side.
     pub columns: usize,
+    /// What the colours show.
+    pub quantity: Quantity,
 }
 
 /// What part of the plane is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct View {
-    x: (f64, f64),
-    y: (f64, f64),
+pub(super) struct View {
+    pub(super) x: (f64, f64),
+    pub(super) y: (f64, f64),
 }
 
 impl FieldFigure {
@@ -51,7 +91,7 @@ impl FieldFigure {
     }
 
     fn draw_svg(&self, svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
-        let view = self.view();
+        let view = View::of(&self.panels);
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         let rows = self.panels.len().div_ceil(columns).max(1);
         let width = (WIDTH - BAR) / columns as f64;
@@ -61,17 +101,19 @@ impl FieldFigure {
         let area = SVGBackend::with_string(svg, size).into_drawing_area();
         area.fill(&WHITE)?;
         let (left, right) = area.split_horizontally((WIDTH - BAR) as i32);
-        let range = self.pressure_range();
+        let range = range_of(&self.panels);
         for (place, panel) in left.split_evenly((rows, columns)).iter().zip(&self.panels) {
             draw_panel(place, panel, view, range, scale)?;
         }
-        draw_bar(&right, range)?;
+        draw_bar(&right, range, self.quantity)?;
         area.present()?;
         Ok(())
     }
+}
 
+impl View {
     /// The box of all particles, with room, cut from above by nothing; walls beyond it are clipped.
-    fn view(&self) -> View {
+    pub(super) fn of(panels: &[Panel]) -> Self {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         let mut add = |point: &[f32; 2]| {
@@ -80,28 +122,28 @@ impl FieldFigure {
                 high[axis] = high[axis].max(f64::from(point[axis]));
             }
         };
-        let particles = self.panels.iter().flat_map(|panel| &panel.particles);
-        let any = self.panels.iter().any(|panel| !panel.particles.is_empty());
+        let particles = panels.iter().flat_map(|panel| &panel.particles);
+        let any = panels.iter().any(|panel| !panel.particles.is_empty());
         particles.for_each(&mut add);
         let horizontal = |line: &&[[f32; 2]; 2]| !any || (line[0][1] - line[1][1]).abs() < 1e-6;
-        let floor = self.panels.iter().flat_map(|panel| panel.lines.iter().filter(horizontal));
+        let floor = panels.iter().flat_map(|panel| panel.lines.iter().filter(horizontal));
         floor.flatten().for_each(&mut add);
         if low[0] > high[0] {
-            return View { x: (0.0, 1.0), y: (0.0, 1.0) };
+            return Self { x: (0.0, 1.0), y: (0.0, 1.0) };
         }
         let room = 0.04 * (high[0] - low[0]).max(high[1] - low[1]).max(1e-9);
-        View { x: (low[0] - room, high[0] + room), y: (low[1] - room, high[1] + room) }
+        Self { x: (low[0] - room, high[0] + room), y: (low[1] - room, high[1] + room) }
     }
+}
 
-    /// Range of colours: from 0 (or the lowest hundredth) to what all but a hundredth of the particles stay below.
-    fn pressure_range(&self) -> (f64, f64) {
-        let mut all: Vec<f32> = self.panels.iter().flat_map(|panel| panel.pressures.iter().copied()).collect();
-        all.retain(|pressure| pressure.is_finite());
-        all.sort_by(f32::total_cmp);
-        let at = |share: f64| all.get((share * all.len() as f64) as usize).map_or(0.0, |value| f64::from(*value));
-        let (low, high) = (at(0.01).min(0.0), at(0.99));
-        (low, if high > low { high } else { low + 1.0 })
-    }
+/// Range of colours: from 0 (or the lowest hundredth) to what all but a hundredth of the particles stay below.
+pub(super) fn range_of(panels: &[Panel]) -> (f64, f64) {
+    let mut all: Vec<f32> = panels.iter().flat_map(|panel| panel.values.iter().copied()).collect();
+    all.retain(|pressure| pressure.is_finite());
+    all.sort_by(f32::total_cmp);
+    let at = |share: f64| all.get((share * all.len() as f64) as usize).map_or(0.0, |value| f64::from(*value));
+    let (low, high) = (at(0.01).min(0.0), at(0.99));
+    (low, if high > low { high } else { low + 1.0 })
 }
 
 fn draw_panel(
@@ -128,17 +170,17 @@ fn draw_panel(
         .y_label_formatter(&|value| tick(*value, height))
         .draw()?;
     let radius = (0.58 * scale * spacing(&panel.particles)).clamp(0.6, 12.0).ceil() as i32;
-    let particles = panel.particles.iter().zip(&panel.pressures);
-    chart.draw_series(particles.map(|(point, pressure)| {
+    let particles = panel.particles.iter().zip(&panel.values);
+    chart.draw_series(particles.map(|(point, value)| {
         let place = (f64::from(point[0]), f64::from(point[1]));
-        Circle::new(place, radius, colour(f64::from(*pressure), range).filled())
+        Circle::new(place, radius, colour(f64::from(*value), range).filled())
     }))?;
     let inside = panel.lines.iter().filter_map(|line| clip(line, view));
     chart.draw_series(inside.map(|line| PathElement::new(line, BLACK.stroke_width(2))))?;
     Ok(())
 }
 
-fn draw_bar(area: &Area, range: (f64, f64)) -> Result<(), Box<dyn std::error::Error>> {
+fn draw_bar(area: &Area, range: (f64, f64), quantity: Quantity) -> Result<(), Box<dyn std::error::Error>> {
     const STEPS: i32 = 64;
     let height = area.dim_in_pixel().1 as i32 - 56;
     for i in 0..STEPS {
@@ -146,23 +188,23 @@ fn draw_bar(area: &Area, range: (f64, f64)) -> Result<(), Box<dyn std::error::Er
         let value = range.1 - (range.1 - range.0) * (f64::from(i) + 0.5) / f64::from(STEPS);
         area.draw(&Rectangle::new([(6, top), (22, bottom)], colour(value, range).filled()))?;
     }
-    area.draw(&Text::new("p [kPa]", (4, 12), (FAMILY, 13)))?;
+    area.draw(&Text::new(quantity.label(), (4, 12), (FAMILY, 13)))?;
     for i in 0..=4 {
         let share = f64::from(i) / 4.0;
-        let value = (range.1 + share * (range.0 - range.1)) / 1000.0;
+        let value = (range.1 + share * (range.0 - range.1)) / quantity.unit();
         let y = 34 + (share * f64::from(height)) as i32 - 6;
-        area.draw(&Text::new(tick(value, (range.1 - range.0) / 1000.0), (27, y), (FAMILY, 13)))?;
+        area.draw(&Text::new(tick(value, (range.1 - range.0) / quantity.unit()), (27, y), (FAMILY, 13)))?;
     }
     Ok(())
 }
 
-fn colour(pressure: f64, range: (f64, f64)) -> RGBColor {
-    let share = ((pressure - range.0) / (range.1 - range.0)).clamp(0.0, 1.0);
+pub(super) fn colour(value: f64, range: (f64, f64)) -> RGBColor {
+    let share = ((value - range.0) / (range.1 - range.0)).clamp(0.0, 1.0);
     ViridisRGB.get_color(share)
 }
 
 /// Spacing of particles from the area that a cell of a coarse grid holds: its fullest cells are full of water.
-fn spacing(particles: &[[f32; 2]]) -> f64 {
+pub(super) fn spacing(particles: &[[f32; 2]]) -> f64 {
     let mut low = [f32::INFINITY; 2];
     let mut high = [f32::NEG_INFINITY; 2];
     for point in particles {
@@ -225,10 +267,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let particles: Vec<[f32; 2]> = (0..400).map(|i| [(i % 20) as f32 * 0.01, (i / 20) as f32 * 0.01]).collect();
         assert!((spacing(&particles) - 0.01).abs() < 0.002, "{}", spacing(&particles));
-        let pressures = particles.iter().map(|point| 9810.0 * (0.2 - point[1])).collect();
+        let values = particles.iter().map(|point| 9810.0 * (0.2 - point[1])).collect();
         let lines = vec![[[0.0, 0.0], [0.5, 0.0]], [[0.0, 1.0], [0.0, 0.0]]];
-        let panel = Panel { title: "t = 0 s".into(), particles, pressures, lines };
-        let figure = FieldFigure { panels: vec![panel.clone(), panel], columns: 2 };
+        let panel = Panel { title: "t = 0 s".into(), particles, values, lines };
+        let figure = FieldFigure { panels: vec![panel.clone(), panel], columns: 2, quantity: Quantity::Speed };
         let png = figure.draw(&folder.path().join("field")).unwrap();
         assert!(std::fs::read(png).unwrap().len() > 5_000);
         FieldFigure::default().draw(&folder.path().join("none")).unwrap();

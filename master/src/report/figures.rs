@@ -1,12 +1,11 @@
 //! Which pictures a run gets: families of recorded variables, references of checks, iterations, and the field.
 
 use super::chart::{Band, Chart, Curve};
-use super::field::{FieldFigure, Panel};
-use super::{Error, FrameEntry, frames};
+use super::field::FieldFigure;
+use super::{Error, Fields};
 use crate::case::Case;
 use crate::checks::{self, Reference};
 use crate::record::{Column, IterationCounts, Series};
-use components::frames::{ReadFrame, read_frame};
 use scene::Check;
 use std::path::{Path, PathBuf};
 
@@ -40,7 +39,7 @@ pub fn draw_all(
     if counts.maximum > 1 {
         charts.push(("iterations".to_string(), iterations(counts)));
     }
-    let mut drawn: Vec<Result<PathBuf, Error>> = fields(&folder.join("frames"), &plots);
+    let mut drawn: Vec<Result<PathBuf, Error>> = pictures(&folder.join("frames"), &plots);
     drawn.extend(charts.iter().map(|(name, chart)| chart.draw(&plots.join(name))));
     let (good, bad): (Vec<_>, Vec<_>) = drawn.into_iter().partition(Result::is_ok);
     (good.into_iter().flatten().collect(), bad.into_iter().filter_map(Result::err).collect())
@@ -167,50 +166,25 @@ fn iterations(counts: &IterationCounts) -> Chart {
 }
 
 /// Two pictures: some moments side by side, and the last one large.
-fn fields(folder: &Path, plots: &Path) -> Vec<Result<PathBuf, Error>> {
-    let all = match (frames(folder, "particles"), frames(folder, "structure")) {
-        (Ok(particles), Ok(structure)) => (particles, structure),
-        (Err(reason), _) | (_, Err(reason)) => return vec![Err(Error::new(folder, reason))],
+fn pictures(folder: &Path, plots: &Path) -> Vec<Result<PathBuf, Error>> {
+    let fields = match Fields::open(folder) {
+        Ok(fields) => fields,
+        Err(reason) => return vec![Err(Error::new(folder, reason))],
     };
-    let (particles, structure) = all;
-    let main = if particles.is_empty() { &structure } else { &particles };
-    let Some(last) = main.last() else { return Vec::new() };
-    let walls = read_frame(&folder.join("walls.vtu")).map(|frame| lines(&frame)).unwrap_or_default();
-    let panel = |entry: &FrameEntry| panel(entry.time, &particles, &structure, &walls);
-    let draw = |entries: &[FrameEntry], columns: usize, name: &str| {
-        let panels = entries.iter().map(panel).collect::<Result<Vec<_>, _>>();
+    let times = fields.times();
+    let Some(last) = times.last() else { return Vec::new() };
+    let draw = |times: &[f64], columns: usize, name: &str| {
+        let panels = times.iter().map(|&time| fields.panel(time)).collect::<Result<Vec<_>, _>>();
         let panels = panels.map_err(|reason| Error::new(folder, reason))?;
-        FieldFigure { panels, columns }.draw(&plots.join(name))
+        FieldFigure { panels, columns, ..FieldFigure::default() }.draw(&plots.join(name))
     };
-    vec![draw(&moments(main), 2, "field"), draw(std::slice::from_ref(last), 1, "field-last")]
+    vec![draw(&moments(&times), 2, "field"), draw(&[*last], 1, "field-last")]
 }
 
-/// Some entries at equal distances, the last one among them; the first one is the start, which everybody knows.
-fn moments(entries: &[FrameEntry]) -> Vec<FrameEntry> {
-    let count = MOMENTS.min(entries.len());
-    (1..=count).map(|i| entries[(entries.len() * i / count) - 1].clone()).collect()
-}
-
-fn panel(
-    time: f64,
-    particles: &[FrameEntry],
-    structure: &[FrameEntry],
-    walls: &[[[f32; 2]; 2]],
-) -> Result<Panel, String> {
-    let read = |entries: &[FrameEntry]| {
-        let near = entries.iter().min_by(|a, b| (a.time - time).abs().total_cmp(&(b.time - time).abs()));
-        near.map(|entry| read_frame(&entry.path).map_err(|error| error.to_string())).transpose()
-    };
-    let water = read(particles)?.unwrap_or_default();
-    let body = read(structure)?.unwrap_or_default();
-    let pressures = water.scalar("pressure").map_or_else(|| vec![0.0; water.points.len()], <[f32]>::to_vec);
-    let lines = walls.iter().copied().chain(lines(&body)).collect();
-    Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, pressures, lines })
-}
-
-fn lines(frame: &ReadFrame) -> Vec<[[f32; 2]; 2]> {
-    let point = |index: u64| frame.points.get(index as usize).copied();
-    frame.lines.iter().filter_map(|[a, b]| Some([point(*a)?, point(*b)?])).collect()
+/// Some times at equal distances, the last one among them; the first one is the start, which everybody knows.
+fn moments(times: &[f64]) -> Vec<f64> {
+    let count = MOMENTS.min(times.len());
+    (1..=count).map(|i| times[(times.len() * i / count) - 1]).collect()
 }
 
 #[cfg(test)]
@@ -242,10 +216,8 @@ mod tests {
 
     #[test]
     fn moments_end_with_the_last() {
-        let entries: Vec<FrameEntry> =
-            (0..11).map(|i| FrameEntry { time: f64::from(i), path: PathBuf::new() }).collect();
-        let times: Vec<f64> = moments(&entries).iter().map(|entry| entry.time).collect();
-        assert_eq!(times, [1.0, 4.0, 7.0, 10.0]);
-        assert_eq!(moments(&entries[..2]).len(), 2);
+        let times: Vec<f64> = (0..11).map(f64::from).collect();
+        assert_eq!(moments(&times), [1.0, 4.0, 7.0, 10.0]);
+        assert_eq!(moments(&times[..2]).len(), 2);
     }
 }

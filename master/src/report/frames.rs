@@ -1,5 +1,7 @@
 //! Field frames that the components wrote.
 
+use super::field::Panel;
+use components::frames::{ReadFrame, read_frame};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +32,67 @@ struct Set {
     time: f64,
     #[serde(rename = "@file")]
     file: String,
+}
+
+/// The field frames of a run: particles, structure and walls.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fields {
+    particles: Vec<FrameEntry>,
+    structure: Vec<FrameEntry>,
+    walls: Vec<[[f32; 2]; 2]>,
+}
+
+impl Fields {
+    /// What stands in a run's folder of frames; there may be none.
+    ///
+    /// # Errors
+    /// A list of frames that cannot be read.
+    pub fn open(folder: &Path) -> Result<Self, String> {
+        let walls = read_frame(&folder.join("walls.vtu")).map(|frame| lines(&frame)).unwrap_or_default();
+        Ok(Self { particles: frames(folder, "particles")?, structure: frames(folder, "structure")?, walls })
+    }
+
+    /// Times of the frames \[s\].
+    pub fn times(&self) -> Vec<f64> {
+        let main = if self.particles.is_empty() { &self.structure } else { &self.particles };
+        main.iter().map(|entry| entry.time).collect()
+    }
+
+    /// The frame nearest to a time, particles coloured by pressure.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    pub fn panel(&self, time: f64) -> Result<Panel, String> {
+        let (water, lines) = self.read(time)?;
+        let values = water.scalar("pressure").map_or_else(|| vec![0.0; water.points.len()], <[f32]>::to_vec);
+        Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, values, lines })
+    }
+
+    /// The same, coloured by speed.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    pub fn speeds(&self, time: f64) -> Result<Panel, String> {
+        let (water, lines) = self.read(time)?;
+        let velocity = water.fields.get("velocity").map_or(&[][..], |(_, values)| values.as_slice());
+        let values = velocity.chunks_exact(3).map(|it| it[0].hypot(it[1])).collect();
+        Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, values, lines })
+    }
+
+    fn read(&self, time: f64) -> Result<(ReadFrame, Vec<[[f32; 2]; 2]>), String> {
+        let near = |entries: &[FrameEntry]| {
+            let nearest = entries.iter().min_by(|a, b| (a.time - time).abs().total_cmp(&(b.time - time).abs()));
+            nearest.map(|entry| read_frame(&entry.path).map_err(|error| error.to_string())).transpose()
+        };
+        let water = near(&self.particles)?.unwrap_or_default();
+        let body = near(&self.structure)?.unwrap_or_default();
+        Ok((water, self.walls.iter().copied().chain(lines(&body)).collect()))
+    }
+}
+
+fn lines(frame: &ReadFrame) -> Vec<[[f32; 2]; 2]> {
+    let point = |index: u64| frame.points.get(index as usize).copied();
+    frame.lines.iter().filter_map(|[a, b]| Some([point(*a)?, point(*b)?])).collect()
 }
 
 /// The frames that `folder/series.pvd` lists; empty without such a file.

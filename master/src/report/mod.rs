@@ -6,12 +6,14 @@ mod field;
 mod figures;
 mod frames;
 mod log_chart;
+mod movie;
 mod text;
 
 pub use canvas::{Error, prepare_font};
 pub use chart::{Band, Chart, Curve};
-pub use field::{FieldFigure, Panel};
+pub use field::{FieldFigure, Panel, Quantity};
 pub use figures::draw_all;
-pub use frames::{FrameEntry, frames};
+pub use frames::{Fields, FrameEntry, frames};
 pub use log_chart::LogChart;
+pub use movie::{Window, movie};
 pub use text::{Short, markdown};

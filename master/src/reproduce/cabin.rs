@@ -17,6 +17,8 @@ pub const TABLE: [[f64; 4]; 4] =
     [[15.41, 4.50, 21.47, 7.59], [16.71, 5.59, 18.55, 8.70], [22.36, 5.90, 25.94, 8.88], [35.91, 7.94, 56.15, 9.50]];
 /// Probes of the scene: P1, P2, then the stations of the bulkhead's flooded face from the bottom up, then the other face.
 pub const STATIONS: usize = 7;
+/// Height from the lowest station to the highest \[m\].
+const HEIGHT: f64 = 0.43;
 
 /// Name of the pressure at a probe, counted from 1.
 pub fn pressure(probe: usize) -> String {
@@ -45,7 +47,7 @@ pub fn at_the_end(series: &Series, name: &str) -> Option<f64> {
 /// Ours beside `TABLE` \[kPa\].
 pub fn table_row(model: &Model) -> [Option<f64>; 4] {
     let kilo = |value: f64| 1e-3 * value;
-    let of = |probe: usize| peak_and_mean(&model.series, &pressure(probe));
+    let of = |probe: usize| peak_and_mean(&model.done.series, &pressure(probe));
     let (first, second) = (of(1), of(2));
     [first.map(|it| kilo(it.0)), first.map(|it| kilo(it.1)), second.map(|it| kilo(it.0)), second.map(|it| kilo(it.1))]
 }
@@ -54,10 +56,32 @@ pub fn table_row(model: &Model) -> [Option<f64>; 4] {
 pub fn along_bulkhead(model: &Model, flooded: bool) -> Vec<(f64, f64, f64)> {
     let first = if flooded { 3 } else { 3 + STATIONS };
     let station = |k: usize| {
-        let (peak, mean) = peak_and_mean(&model.series, &pressure(first + k))?;
+        let (peak, mean) = peak_and_mean(&model.done.series, &pressure(first + k))?;
         Some((k as f64 / (STATIONS - 1) as f64, 1e-3 * peak, 1e-3 * mean))
     };
     (0..STATIONS).filter_map(station).collect()
+}
+
+/// Net force on the bulkhead from its stations over time \[N/m\]: pressure on the flooded face minus that on the other,
+/// trapezoidal over the height; empty where a station was not recorded.
+pub fn net_force(series: &Series) -> Vec<(f64, f64)> {
+    let columns: Option<Vec<&Column>> = (3..3 + 2 * STATIONS).map(|probe| series.column(&pressure(probe))).collect();
+    let Some(columns) = columns else { return Vec::new() };
+    let step = HEIGHT / (STATIONS - 1) as f64;
+    let force = |row: usize| {
+        let net = |k: usize| columns[k].values[row] - columns[STATIONS + k].values[row];
+        let ends = 0.5 * (net(0) + net(STATIONS - 1));
+        step * ((1..STATIONS - 1).map(net).sum::<f64>() + ends)
+    };
+    series.times.iter().enumerate().map(|(row, &time)| (time, force(row))).collect()
+}
+
+/// Peak of a load up to `PERIOD`, when it came, and its impulse.
+pub fn peak_and_impulse(points: &[(f64, f64)]) -> (f64, f64, f64) {
+    let within: Vec<(f64, f64)> = points.iter().copied().filter(within_period).collect();
+    let peak = within.iter().copied().fold((0.0, 0.0), |most, it| if it.1 > most.1 { it } else { most });
+    let impulse = within.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0)).sum();
+    (peak.1, peak.0, impulse)
 }
 
 /// A trend of the paper and what was found.
@@ -77,7 +101,7 @@ pub fn trends(models: &[Model]) -> Vec<Trend> {
     let deflections = largest(models, "structure.deflection.middle");
     let (peaks, means) = (bulkhead(models, true), bulkhead(models, false));
     let rolls: Vec<f64> =
-        models.iter().filter_map(|model| at_the_end(&model.series, "structure.motion.theta")).collect();
+        models.iter().filter_map(|model| at_the_end(&model.done.series, "structure.motion.theta")).collect();
     let rising = |claim, values: &[f64], factor: f64| Trend {
         claim,
         found: whole.then(|| values.windows(2).all(|pair| pair[1] > pair[0])),
@@ -107,7 +131,7 @@ pub fn trends(models: &[Model]) -> Vec<Trend> {
 
 /// Largest value of a variable in each model.
 fn largest(models: &[Model], name: &str) -> Vec<f64> {
-    models.iter().filter_map(|model| peak_and_mean(&model.series, name).map(|it| it.0)).collect()
+    models.iter().filter_map(|model| peak_and_mean(&model.done.series, name).map(|it| it.0)).collect()
 }
 
 /// Largest peak of the bulkhead's flooded face, or the mean over it, in each model \[kPa\].
@@ -152,6 +176,19 @@ mod tests {
         assert_eq!(peak_and_mean(&series, &pressure(1)), Some((5.0, 3.0)));
         assert_eq!(at_the_end(&series, &pressure(1)), Some(4.0));
         assert_eq!(peak_and_mean(&series, &pressure(2)), None);
+    }
+
+    #[test]
+    fn a_net_force_is_the_difference_of_the_faces() {
+        let column = |probe: usize| {
+            let value = if probe < 3 + STATIONS { 30.0 } else { 10.0 };
+            Column { name: pressure(probe), unit: "Pa".to_string(), values: vec![value, 0.0] }
+        };
+        let series = Series { times: vec![0.0, 0.5], columns: (3..3 + 2 * STATIONS).map(column).collect() };
+        let force = net_force(&series);
+        assert!((force[0].1 - 20.0 * HEIGHT).abs() < 1e-12 && force[1].1 == 0.0, "{force:?}");
+        let (peak, time, impulse) = peak_and_impulse(&force);
+        assert!(peak == force[0].1 && time == 0.0 && (impulse - 0.25 * peak).abs() < 1e-12);
     }
 
     #[test]

@@ -101,6 +101,12 @@ fn outputs() -> Vec<Row> {
             "coordinates solved for in the last step: free ones and modes",
             |this, _| this.state.outputs.unknowns,
         ),
+        Row::real(306, "momentum.x", "momentum of cabin and beam along X", "Momentum", |this, _| {
+            this.state.outputs.momentum[0]
+        }),
+        Row::real(307, "momentum.y", "momentum of cabin and beam along Y", "Momentum", |this, _| {
+            this.state.outputs.momentum[1]
+        }),
         Row::real(
             320,
             "stage.step",
