@@ -61,7 +61,7 @@ impl Job {
     pub fn prepare_folder(&self) -> Result<(), record::Error> {
         let wrong = |error: std::io::Error| record::Error::new(&self.folder, error);
         std::fs::create_dir_all(&self.folder).map_err(wrong)?;
-        for name in ["results.csv", "iterations.csv", "summary.json", "summary.md", "log.txt"] {
+        for name in ["results.csv", "iterations.csv", "summary.json", "summary.md", "report.html", "log.txt"] {
             let path = self.folder.join(name);
             if path.is_file() {
                 std::fs::remove_file(path).map_err(wrong)?;
@@ -112,15 +112,17 @@ impl Job {
     }
 
     fn report(&self, summary: &Summary, outcome: &Outcome) -> Result<(), record::Error> {
-        let (pictures, failures) =
-            report::draw_all(&self.case, &outcome.series, &outcome.counts, &self.folder, &self.references);
-        for failure in failures {
+        let pictures = report::draw_all(&self.case, &outcome.series, &outcome.counts, &self.folder, &self.references);
+        for failure in &pictures.failures {
             eprintln!("warning: {failure}");
         }
         let about = [("Source", self.facts.source.as_str()), ("What differs", self.facts.differs.as_str())];
-        let text = report::markdown(summary, &about, &pictures, &self.folder);
+        let text = report::markdown(summary, &about, &pictures.files, &self.folder);
         let path = self.folder.join("summary.md");
-        std::fs::write(&path, text).map_err(|error| record::Error::new(&path, error))
+        std::fs::write(&path, text).map_err(|error| record::Error::new(&path, error))?;
+        let path = self.folder.join("report.html");
+        let page = report::run_page(summary, &about, &pictures, &outcome.warnings);
+        std::fs::write(&path, page).map_err(|error| record::Error::new(&path, error))
     }
 }
 

@@ -45,6 +45,8 @@ pub struct Outcome {
     pub method: scene::Method,
     /// Wall-clock time by stage \[s\].
     pub stages: Stages,
+    /// Warnings on the way.
+    pub warnings: Vec<String>,
     /// Where the run stopped \[s\], from its start.
     pub simulated: f64,
     /// Wall-clock time \[s\].
@@ -96,7 +98,7 @@ pub fn run(
         ResultWriter::create(&folder.join("results.csv"), &system, &case.exclude, case.output.record_interval)?;
     let (counts, stages) = (IterationCounts::default(), Stages::default());
     let step_limit = case.step_limit();
-    let mut run = Run { system, stepper, step_limit, iterations, results, counts, stages };
+    let mut run = Run { system, stepper, step_limit, iterations, results, counts, stages, warnings: Vec::new() };
     let result = run.steps(interrupted, progress);
     let (status, error) = match result {
         Ok(status) => (status, None),
@@ -114,6 +116,7 @@ struct Run {
     results: ResultWriter,
     counts: IterationCounts,
     stages: Stages,
+    warnings: Vec<String>,
 }
 
 impl Run {
@@ -131,7 +134,9 @@ impl Run {
             let iterations = &mut self.iterations;
             let result = self.stepper.advance(&mut self.system, &mut |row| iterations.write(row));
             self.stages.advancing += start.elapsed().as_secs_f64();
-            self.stepper.take_warnings().iter().for_each(|warning| progress.warn(warning));
+            let warnings = self.stepper.take_warnings();
+            warnings.iter().for_each(|warning| progress.warn(warning));
+            self.warnings.extend(warnings);
             let report = result?;
             self.counts.add(&report);
             self.record()?;
@@ -166,6 +171,7 @@ impl Run {
             counts: self.counts,
             method: self.stepper.method(),
             stages: self.stages,
+            warnings: self.warnings,
             wall: begin.elapsed().as_secs_f64(),
         }
     }

@@ -19,7 +19,11 @@ fn four_cabins_become_one_page() {
     plimsoll(&[&["reproduce", "cabin"][..], &set].concat());
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert_eq!(page.matches("<svg").count(), 11, "seven histories, two profiles, load and energy");
-    assert_eq!(page.matches("data:image/png;base64,").count(), 3, "pressure, speed, and first and last frame in motion");
+    assert_eq!(
+        page.matches("data:image/png;base64,").count(),
+        3,
+        "pressure, speed, and first and last frame in motion"
+    );
     assert!(page.contains("<td>IV</td><td>rigid</td><td>Complete</td>"), "the rigid bulkhead ran");
     // The paper's peak at P2 with a rigid bulkhead stands beside ours.
     assert!(page.contains("(56.15)") && page.contains("Misprints of the paper"));

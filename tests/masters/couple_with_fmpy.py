@@ -288,11 +288,11 @@ def run_bundled(plimsoll, overrides, folder):
 
 def real_columns(header):
     """Place, participant and variable of every real output in the table; integers are counters of the solvers."""
-    counters = {"solver.iterations", "solver.substeps", "particles.count", "particles.lost"}
+    counters = {"particles.count", "particles.lost"}
     columns = []
     for place, title in enumerate(header[1:], start=1):
         owner, _, name = title.split(" [")[0].partition(".")
-        if name not in counters:
+        if name not in counters and not name.startswith("solver."):
             columns.append((place, owner, name))
     return columns
 

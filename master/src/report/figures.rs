@@ -2,7 +2,7 @@
 
 use super::chart::{Band, Chart, Curve};
 use super::field::FieldFigure;
-use super::{Error, Fields};
+use super::{Error, Fields, movie};
 use crate::case::Case;
 use crate::checks::{self, Reference};
 use crate::record::{Column, IterationCounts, Series};
@@ -10,6 +10,8 @@ use scene::Check;
 use std::path::{Path, PathBuf};
 
 const TIME: &str = "time [s]";
+/// File of the animation.
+pub(super) const MOVIE: &str = "movie.png";
 /// Moments shown side by side.
 const MOMENTS: usize = 4;
 /// Most points of a reference that are drawn one by one; more are drawn as a line.
@@ -19,19 +21,24 @@ const MOST_MARKERS: usize = 60;
 const ASIDE: [&str; 8] =
     ["particles.", "solver.", "time_step.", "momentum.", "extent.", "farthest", "angular_momentum", "area"];
 
-/// Draws all pictures into `folder/plots`; gives their paths. Frames are looked for in `folder/frames`; reference
-/// files of checks in `references`. A picture that cannot be drawn does not keep the others from being drawn.
-pub fn draw_all(
-    case: &Case,
-    series: &Series,
-    counts: &IterationCounts,
-    folder: &Path,
-    references: &Path,
-) -> (Vec<PathBuf>, Vec<Error>) {
+/// What was drawn of a run.
+#[derive(Debug, Default)]
+pub struct Pictures {
+    /// Charts by the names of their files.
+    pub charts: Vec<(String, Chart)>,
+    /// Files of charts, fields and the animation.
+    pub files: Vec<PathBuf>,
+    /// What could not be drawn.
+    pub failures: Vec<Error>,
+}
+
+/// Draws all pictures into `folder/plots`. Frames are looked for in `folder/frames`; reference files of checks in
+/// `references`. A picture that cannot be drawn does not keep the others from being drawn.
+pub fn draw_all(case: &Case, series: &Series, counts: &IterationCounts, folder: &Path, references: &Path) -> Pictures {
     super::prepare_font();
     let plots = folder.join("plots");
     if let Err(error) = std::fs::create_dir_all(&plots) {
-        return (Vec::new(), vec![Error::new(&plots, error)]);
+        return Pictures { failures: vec![Error::new(&plots, error)], ..Pictures::default() };
     }
     let mut charts: Vec<(String, Chart)> = Vec::new();
     charts.extend(case.check.iter().filter_map(|check| against_reference(check, series, references)));
@@ -42,7 +49,11 @@ pub fn draw_all(
     let mut drawn: Vec<Result<PathBuf, Error>> = pictures(&folder.join("frames"), &plots);
     drawn.extend(charts.iter().map(|(name, chart)| chart.draw(&plots.join(name))));
     let (good, bad): (Vec<_>, Vec<_>) = drawn.into_iter().partition(Result::is_ok);
-    (good.into_iter().flatten().collect(), bad.into_iter().filter_map(Result::err).collect())
+    Pictures {
+        charts,
+        files: good.into_iter().flatten().collect(),
+        failures: bad.into_iter().filter_map(Result::err).collect(),
+    }
 }
 
 /// Name of a file: letters, digits and dashes.
@@ -165,7 +176,7 @@ fn iterations(counts: &IterationCounts) -> Chart {
     }
 }
 
-/// Two pictures: some moments side by side, and the last one large.
+/// Some moments side by side, the last one large, and all of them in motion.
 fn pictures(folder: &Path, plots: &Path) -> Vec<Result<PathBuf, Error>> {
     let fields = match Fields::open(folder) {
         Ok(fields) => fields,
@@ -178,7 +189,9 @@ fn pictures(folder: &Path, plots: &Path) -> Vec<Result<PathBuf, Error>> {
         let panels = panels.map_err(|reason| Error::new(folder, reason))?;
         FieldFigure { panels, columns, ..FieldFigure::default() }.draw(&plots.join(name))
     };
-    vec![draw(&moments(&times), 2, "field"), draw(&[*last], 1, "field-last")]
+    let mut all = vec![draw(&moments(&times), 2, "field"), draw(&[*last], 1, "field-last")];
+    all.extend(movie(&fields, None, &plots.join(MOVIE)).transpose());
+    all
 }
 
 /// Some times at equal distances, the last one among them; the first one is the start, which everybody knows.

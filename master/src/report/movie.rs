@@ -15,6 +15,8 @@ const BAR: f64 = 6.0;
 const SHADES: usize = 254;
 const BLACK: u8 = 254;
 const WHITE: u8 = 255;
+/// Most frames: more are left out.
+const MOST_FRAMES: usize = 80;
 /// Frames per second.
 const RATE: u16 = 15;
 
@@ -26,7 +28,7 @@ pub type Window = [f64; 4];
 /// # Errors
 /// A frame that cannot be read, or a file that cannot be written.
 pub fn movie(fields: &Fields, window: Option<Window>, path: &Path) -> Result<Option<PathBuf>, Error> {
-    let times = fields.times();
+    let times = thinned(fields.times());
     let (Some(first), Some(last)) = (times.first(), times.last()) else { return Ok(None) };
     if times.len() < 2 {
         return Ok(None);
@@ -56,6 +58,13 @@ pub fn movie(fields: &Fields, window: Option<Window>, path: &Path) -> Result<Opt
     }
     writer.finish().map_err(wrong)?;
     Ok(Some(path.to_path_buf()))
+}
+
+/// At most `MOST_FRAMES` of the times, at equal distances, the last one among them.
+fn thinned(times: Vec<f64>) -> Vec<f64> {
+    let every = times.len().div_ceil(MOST_FRAMES).max(1);
+    let last = times.len().saturating_sub(1);
+    times.into_iter().enumerate().filter(|(k, _)| (last - k).is_multiple_of(every)).map(|(_, time)| time).collect()
 }
 
 /// Colours and their numbers.

@@ -11,7 +11,9 @@ pub fn markdown(summary: &Summary, about: &[(&str, &str)], pictures: &[PathBuf],
         text += &format!("**{name}.** {content}\n\n");
     }
     text += &format!("{}\n\n", state(summary));
-    text += &facts(summary);
+    let facts = facts(summary);
+    let rows = facts.iter().map(|(name, value)| format!("| {name} | {value} |\n")).collect::<String>();
+    text += &format!("| | |\n|---|---|\n{rows}");
     if !summary.checks.is_empty() {
         text += "\n## Figures\n\n| figure | value | reference | error | unit | verdict |\n|---|---|---|---|---|---|\n";
         summary.checks.iter().for_each(|(name, check)| text += &row(name, check));
@@ -34,7 +36,8 @@ pub fn markdown(summary: &Summary, about: &[(&str, &str)], pictures: &[PathBuf],
     text
 }
 
-fn state(summary: &Summary) -> String {
+/// How a run ended, in a sentence.
+pub(super) fn state(summary: &Summary) -> String {
     let reached = format!("{:.6} s simulated in {:.2} s", summary.simulated_seconds, summary.wall_seconds);
     match (summary.status, &summary.error) {
         (Status::Complete, _) => format!("The run reached its end: {reached}."),
@@ -44,7 +47,8 @@ fn state(summary: &Summary) -> String {
     }
 }
 
-fn facts(summary: &Summary) -> String {
+/// Numbers of a run, by name.
+pub(super) fn facts(summary: &Summary) -> Vec<(&'static str, String)> {
     let coupling = &summary.coupling;
     let mut rows = vec![("steps", summary.steps.to_string())];
     rows.extend(summary.scheme.clone().map(|scheme| ("scheme", scheme)));
@@ -54,8 +58,7 @@ fn facts(summary: &Summary) -> String {
     rows.push(("iterations per step, mean", format!("{:.2}", coupling.mean_iterations)));
     rows.push(("iterations per step, most", coupling.maximum_iterations.to_string()));
     rows.push(("steps repeated smaller", coupling.rollbacks.to_string()));
-    let rows = rows.iter().map(|(name, value)| format!("| {name} | {value} |\n")).collect::<String>();
-    format!("| | |\n|---|---|\n{rows}")
+    rows
 }
 
 fn row(name: &str, check: &CheckResult) -> String {

@@ -2,7 +2,6 @@
 
 pub mod balance;
 pub mod cabin;
-pub mod html;
 pub mod hull;
 mod notes;
 mod page;

@@ -1,9 +1,9 @@
 //! The section of the cabins: tables, charts, fields and an animation.
 
 use super::cabin::{self, PERIOD, TABLE};
-use super::html::{self, Failure};
 use super::{Done, Model, balance};
 use crate::record::Status;
+use crate::report::html::{self, Failure};
 use crate::report::{Chart, Curve, FieldFigure, Fields, Quantity, movie};
 use maud::{Markup, html};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The section of the dam break on an elastic plate: the paper's figures 3 and 4.
 
 use super::Done;
-use super::html::{self, Failure};
+use crate::report::html::{self, Failure};
 use crate::report::{Band, Chart, Curve, FieldFigure, Fields, movie};
 use maud::{Markup, html};
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! The runs themselves, and the reports made of them.
 
-use super::html::{self, Failure};
 use super::{
     CabinArguments, Common, Done, Model, PaperArguments, Reproduce, StudyArguments, cabin, notes, page, plate, study,
 };
 use crate::command::{RunArguments, execute};
 use crate::record::{Series, Status, Summary};
+use crate::report::html::{self, Failure};
 use crate::report::{Band, prepare_font};
 use maud::html;
 use std::path::{Path, PathBuf};

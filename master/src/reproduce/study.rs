@@ -2,8 +2,8 @@
 
 use super::Done;
 use super::cabin;
-use super::html::{self, Failure};
 use super::hull::{Opening, Side, walls};
+use crate::report::html::{self, Failure};
 use crate::report::{Chart, Curve};
 use maud::{Markup, html};
 

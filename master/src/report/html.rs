@@ -1,10 +1,14 @@
 //! Parts of a page that opens by itself: charts as vectors, pictures inside the text.
 
+use super::chart::COLOURS;
+use super::{Band, Chart};
 use crate::record::Error;
-use crate::report::Chart;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use plotly::common::{Fill, Line, Mode};
+use plotly::layout::Axis;
+use plotly::{Layout, Plot, Scatter};
 use std::path::{Path, PathBuf};
 
 /// What can go wrong on the way to a page.
@@ -35,6 +39,44 @@ pub fn table(head: &[&str], rows: &[Vec<String>]) -> Markup {
             @for row in rows { tr { @for cell in row { td { (cell) } } } }
         }
     }
+}
+
+/// The same with the plotting library in it: several megabytes, and interactive charts without a network.
+pub fn interactive_page(title: &str, body: &Markup) -> String {
+    // What follows the first script typesets formulas, of which there are none.
+    let sources = plotly::Plot::offline_js_sources();
+    let library = sources.split_inclusive("</script>").next().unwrap_or_default();
+    page(title, &html! { (PreEscaped(library)) (body) })
+}
+
+/// A chart to zoom into and read values from; nothing where it has no curve. `id` is unique within the page.
+pub fn interactive(chart: &Chart, id: &str) -> Markup {
+    if chart.curves.iter().all(|curve| curve.points.is_empty()) {
+        return html! {};
+    }
+    let mut plot = Plot::new();
+    if let Some(band) = &chart.band {
+        add_band(&mut plot, band);
+    }
+    for (curve, colour) in chart.curves.iter().zip(COLOURS.iter().cycle()) {
+        let (x, y): (Vec<f64>, Vec<f64>) = curve.points.iter().copied().unzip();
+        let colour = format!("rgb({}, {}, {})", colour.0, colour.1, colour.2);
+        let mode = if curve.markers { Mode::Markers } else { Mode::Lines };
+        plot.add_trace(Scatter::new(x, y).mode(mode).name(&curve.label).line(Line::new().color(colour)));
+    }
+    let axis = |title: &str| Axis::new().title(title.to_string());
+    plot.set_layout(Layout::new().title(chart.title.clone()).height(420).x_axis(axis(&chart.x)).y_axis(axis(&chart.y)));
+    html! { figure { (PreEscaped(plot.to_inline_html(Some(id)))) } }
+}
+
+fn add_band(plot: &mut Plot, band: &Band) {
+    let times: Vec<f64> = band.points.iter().map(|it| it.0).collect();
+    let low = band.points.iter().map(|it| it.1).collect();
+    let high = band.points.iter().map(|it| it.2).collect();
+    let line = Line::new().color("#bbbbbb").width(0.0);
+    plot.add_trace(Scatter::new(times.clone(), low).mode(Mode::Lines).line(line.clone()).show_legend(false));
+    let upper = Scatter::new(times, high).mode(Mode::Lines).line(line).name(&band.label);
+    plot.add_trace(upper.fill(Fill::ToNextY).fill_color("rgba(150, 150, 150, 0.4)"));
 }
 
 /// A chart as vectors; nothing where it has no curve.

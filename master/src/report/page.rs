@@ -1,0 +1,85 @@
+//! report.html of a run: everything about it in one page that opens without a network.
+
+use super::html;
+use super::text::{Short, facts, state};
+use super::{Pictures, figures::MOVIE};
+use crate::record::{CheckResult, Summary};
+use maud::{Markup, html};
+
+/// The page for a summary, with what the scene says of itself, charts, pictures, and the warnings of the run.
+pub fn run_page(summary: &Summary, about: &[(&str, &str)], pictures: &Pictures, warnings: &[String]) -> String {
+    let title = if summary.title.is_empty() { &summary.scene } else { &summary.title };
+    let failures = pictures.failures.iter().map(ToString::to_string);
+    let warnings: Vec<String> = warnings.iter().cloned().chain(failures).collect();
+    let body = html! {
+        p { (state(summary).replace("**", "")) }
+        @for (name, content) in about.iter().filter(|(_, content)| !content.is_empty()) { p { b { (name) ". " } (content) } }
+        @if !warnings.is_empty() { h2 { "Warnings" } ul { @for warning in &warnings { li { (warning) } } } }
+        @if !summary.checks.is_empty() { h2 { "Figures" } (checks(summary)) }
+        (images(pictures))
+        h2 { "Charts" }
+        @for (index, (_, chart)) in pictures.charts.iter().enumerate() { (html::interactive(chart, &format!("chart-{index}"))) }
+        h2 { "Run" }
+        (html::table(&["", ""], &rows(summary)))
+        h2 { "Wall-clock time by stage" }
+        (stages(summary))
+    };
+    html::interactive_page(title, &body)
+}
+
+fn rows(summary: &Summary) -> Vec<Vec<String>> {
+    let mut rows: Vec<Vec<String>> =
+        facts(summary).into_iter().map(|(name, value)| vec![name.to_string(), value]).collect();
+    rows.push(vec!["version".to_string(), summary.version.clone()]);
+    rows
+}
+
+fn checks(summary: &Summary) -> Markup {
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| Short(value).to_string());
+    let verdict = |check: &CheckResult| match (check.passed, &check.problem) {
+        (_, Some(problem)) => problem.clone(),
+        (Some(true), _) => "within the limit".to_string(),
+        (Some(false), _) => "outside the limit".to_string(),
+        (None, _) => String::new(),
+    };
+    let row = |(name, check): (&String, &CheckResult)| {
+        let (value, reference) = (number(check.value), number(check.reference));
+        vec![
+            name.clone(),
+            value,
+            reference,
+            number(check.error),
+            check.unit.clone(),
+            verdict(check),
+            check.source.clone(),
+        ]
+    };
+    let rows: Vec<Vec<String>> = summary.checks.iter().map(row).collect();
+    html::table(&["figure", "value", "reference", "error", "unit", "verdict", "source"], &rows)
+}
+
+/// The field at some moments and in motion; a picture that cannot be read is left out, for it was named before.
+fn images(pictures: &Pictures) -> Markup {
+    let caption = |name: &str| match name {
+        "field.png" => Some("Pressure at some moments"),
+        "field-last.png" => Some("Pressure at the end"),
+        MOVIE => Some("Pressure in motion; the bar at the bottom is time"),
+        _ => None,
+    };
+    let named = |path: &std::path::PathBuf| {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned())?;
+        html::picture(path, caption(&name)?).ok()
+    };
+    let images: Vec<Markup> = pictures.files.iter().filter_map(named).collect();
+    html! { @if !images.is_empty() { h2 { "The field" } } @for image in images { (image) } }
+}
+
+fn stages(summary: &Summary) -> Markup {
+    let total: f64 = summary.stages.values().sum::<f64>().max(1e-12);
+    let mut stages: Vec<_> = summary.stages.iter().collect();
+    stages.sort_by(|a, b| b.1.total_cmp(a.1));
+    let row = |(stage, seconds): (&String, &f64)| {
+        vec![stage.clone(), format!("{seconds:.3}"), format!("{:.1} %", 100.0 * seconds / total)]
+    };
+    html::table(&["stage", "seconds", "share"], &stages.into_iter().map(row).collect::<Vec<_>>())
+}
