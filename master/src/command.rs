@@ -2,6 +2,7 @@
 
 use crate::bench::{self, Bench};
 use crate::case::Case;
+use crate::compare::{self, CompareArguments};
 use crate::fmu::FmuParticipant;
 use crate::job::{Facts, Job};
 use crate::log::Log;
@@ -23,6 +24,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What runs when nothing is asked.
 const DEFAULT_SCENE: &str = "dam_break_plate";
+/// Memory of a run by particle, as measured (docs/benchmarks).
+const BYTES_PER_PARTICLE: usize = 950;
 /// Exit code of a run that the user ended (128 + SIGINT).
 const INTERRUPTED: u8 = 130;
 
@@ -40,8 +43,8 @@ struct Arguments {
 enum Command {
     /// Run a scene or a case and write results, pictures and a summary.
     ///
-    /// Writes into the folder: results.csv (time series), iterations.csv (coupling), summary.json and summary.md,
-    /// plots/, frames/ (VTK for ParaView), log.txt. The exit code is 0 only when the run reached its end.
+    /// Writes into the folder: report.html (everything on one page), results.csv (time series), iterations.csv (coupling),
+    /// summary.json and summary.md, plots/, frames/ (VTK for ParaView), log.txt. The exit code is 0 only when the run reached its end.
     Run(RunArguments),
     /// Make fluid.fmu and structure.fmu.
     Pack {
@@ -79,6 +82,8 @@ enum Command {
     /// Compare the schemes of the fluid and write a dated record.
     #[command(subcommand)]
     Bench(Bench),
+    /// Lay the histories of several runs over each other, or over reference tables, on one page.
+    Compare(CompareArguments),
     /// Run the paper's study again and write one report.
     #[command(subcommand)]
     Reproduce(Reproduce),
@@ -117,6 +122,7 @@ pub fn main() -> ExitCode {
         Some(Command::ListScenes) => list_scenes(),
         Some(Command::Bench(Bench::Accuracy(arguments))) => accuracy(&arguments),
         Some(Command::Bench(Bench::Speed(arguments))) => speed(&arguments),
+        Some(Command::Compare(arguments)) => compare_runs(&arguments),
         Some(Command::Reproduce(what)) => reproduce(&what),
     };
     result.unwrap_or_else(|error| {
@@ -234,7 +240,7 @@ fn conclude(summary: &Summary, folder: &Path, quiet: bool) -> ExitCode {
             let reference = check.reference.map_or_else(String::new, |value| format!(", reference {}", Short(value)));
             println!("{name}: {} {}{reference}", number(check.value), check.unit);
         }
-        println!("report: {}", folder.join("summary.md").display());
+        println!("report: {}", folder.join("report.html").display());
     }
     match summary.status {
         Status::Complete => ExitCode::SUCCESS,
@@ -280,12 +286,19 @@ fn export_package(target: &str, set: &[String], out: Option<PathBuf>) -> Result<
 fn check(target: &str, set: &[String]) -> Result<ExitCode, Failure> {
     let overrides = overrides(set)?;
     let path = locate(target)?;
-    let text = if scene_case::is_case(&scene::read_text(&path)?) {
-        toml::to_string(&Case::from_file(&path, &overrides)?)?
-    } else {
-        toml::to_string(&Scene::from_file_with(&path, &overrides)?)?
-    };
-    println!("# {}: valid; every number, defaults included:\n{text}", path.display());
+    if scene_case::is_case(&scene::read_text(&path)?) {
+        let text = toml::to_string(&Case::from_file(&path, &overrides)?)?;
+        println!("# {}: valid; every number, defaults included:\n{text}", path.display());
+        return Ok(ExitCode::SUCCESS);
+    }
+    let scene = Scene::from_file_with(&path, &overrides)?;
+    let (particles, coordinates) = (components::particles(&scene)?, components::coordinates(&scene)?);
+    let memory = (particles * BYTES_PER_PARTICLE).div_ceil(1_000_000);
+    println!(
+        "# {}: valid; {particles} particles (about {memory} MB), {coordinates} coordinates of the structure;",
+        path.display()
+    );
+    println!("# every number, defaults included:\n{}", toml::to_string(&scene)?);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -307,6 +320,11 @@ fn accuracy(arguments: &bench::AccuracyArguments) -> Result<ExitCode, Failure> {
     println!("report: {}", page.display());
     let ended = interrupted.load(Ordering::Relaxed);
     Ok(if ended { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+fn compare_runs(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
+    println!("report: {}", compare::compare(arguments)?.display());
+    Ok(ExitCode::SUCCESS)
 }
 
 fn reproduce(what: &Reproduce) -> Result<ExitCode, Failure> {

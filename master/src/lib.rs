@@ -4,6 +4,7 @@ pub mod bench;
 pub mod case;
 pub mod checks;
 pub mod command;
+pub mod compare;
 pub mod coupling;
 pub mod direct;
 pub mod fmu;

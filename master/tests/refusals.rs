@@ -50,6 +50,8 @@ fn scenes_and_files_that_are_not_there() {
     );
     says(&refused(&["run", "nosuch"]), &["'nosuch'", "dam_break_front, dam_break_impact"]);
     says(&refused(&["run", "/no/such/scene.toml"]), &["'/no/such/scene.toml' is neither a file"]);
+    let many = "fluid.probe=[{ name = \"p\", from = [0.0, 0.0], to = [0.0, 0.2], count = 17 }]";
+    says(&refused(&["check", "hydrostatic", "--set", many]), &["17", "16", "fluid.probe"]);
     says(&refused(&["check", "scenes/hydrostatc"]), &["scenes/hydrostatc", "did you mean"]);
     says(&refused(&["run", "LICENSE-MIT"]), &["LICENSE-MIT, line 1"]);
     says(&refused(&["check", "hydrostatic", "--set", "fluid.spacing"]), &["'fluid.spacing'", "key.path=value"]);

@@ -77,6 +77,18 @@ pub struct FluidComponent {
     observed: OnceCell<Observables>,
 }
 
+/// Particles of a scene's water, set up as a run would do it; 0 without a fluid.
+///
+/// # Errors
+/// What a run would refuse before its first step.
+pub fn particles(scene: &Scene) -> Result<usize, Error> {
+    if scene.fluid.is_none() {
+        return Ok(0);
+    }
+    let machinery = Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, &SceneParameters::default(), 0.0)?;
+    Ok(machinery.solver.initial_state().positions.len())
+}
+
 impl FluidComponent {
     fn resolve_scene(&self) -> Result<Scene, Error> {
         let parameters = &self.state.parameters;

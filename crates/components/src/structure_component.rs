@@ -150,6 +150,16 @@ impl Machinery {
     }
 }
 
+/// Coordinates that a scene's structure is solved for, set up as a run would do it; 0 without a structure.
+///
+/// # Errors
+/// What a run would refuse before its first step.
+pub fn coordinates(scene: &Scene) -> Result<usize, Error> {
+    let Some(structure) = &scene.structure else { return Ok(0) };
+    Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, None)?;
+    Ok(structure.free.len() + scene.modes())
+}
+
 impl StructureComponent {
     fn resolve_scene(&self) -> Result<Scene, Error> {
         let parameters = &self.state.parameters;
