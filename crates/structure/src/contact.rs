@@ -57,10 +57,8 @@ impl ContactParameters {
             check("x of a corner or wall in contact [m]", place.x, true, "finite")?;
             check("y of a corner or wall in contact [m]", place.y, true, "finite")?;
         }
-        match self.walls.iter().find(|[start, end]| start == end) {
-            Some([start, _]) => check("the length of a wall in contact [m]", (start - start).norm(), false, positive),
-            None => Ok(()),
-        }
+        let shortest = self.walls.iter().map(|[start, end]| (end - start).norm()).fold(f64::MAX, f64::min);
+        check("the length of a wall in contact [m]", shortest, shortest > 0.0, positive)
     }
 }
 

@@ -13,6 +13,9 @@ const TITLE: f64 = 24.0;
 const BAR: f64 = 90.0;
 const LABELS: (f64, f64) = (48.0, 26.0);
 
+/// A straight line from start to end \[m\].
+pub type Line = [[f32; 2]; 2];
+
 /// One moment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Panel {
@@ -23,7 +26,7 @@ pub struct Panel {
     /// What colours each particle, in SI: its pressure or its speed.
     pub values: Vec<f32>,
     /// Lines of walls and structure: start and end \[m\].
-    pub lines: Vec<[[f32; 2]; 2]>,
+    pub lines: Vec<Line>,
 }
 
 impl Panel {

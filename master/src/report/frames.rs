@@ -1,6 +1,6 @@
 //! Field frames that the components wrote.
 
-use super::field::Panel;
+use super::field::{Line, Panel};
 use components::frames::{ReadFrame, read_frame};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ struct Set {
 pub struct Fields {
     particles: Vec<FrameEntry>,
     structure: Vec<FrameEntry>,
-    walls: Vec<[[f32; 2]; 2]>,
+    walls: Vec<Line>,
 }
 
 impl Fields {
@@ -79,7 +79,7 @@ impl Fields {
         Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, values, lines })
     }
 
-    fn read(&self, time: f64) -> Result<(ReadFrame, Vec<[[f32; 2]; 2]>), String> {
+    fn read(&self, time: f64) -> Result<(ReadFrame, Vec<Line>), String> {
         let near = |entries: &[FrameEntry]| {
             let nearest = entries.iter().min_by(|a, b| (a.time - time).abs().total_cmp(&(b.time - time).abs()));
             nearest.map(|entry| read_frame(&entry.path).map_err(|error| error.to_string())).transpose()
@@ -90,7 +90,7 @@ impl Fields {
     }
 }
 
-fn lines(frame: &ReadFrame) -> Vec<[[f32; 2]; 2]> {
+fn lines(frame: &ReadFrame) -> Vec<Line> {
     let point = |index: u64| frame.points.get(index as usize).copied();
     frame.lines.iter().filter_map(|[a, b]| Some([point(*a)?, point(*b)?])).collect()
 }

@@ -97,8 +97,11 @@ pub fn statistics(values: &[f64]) -> Option<(f64, f64)> {
     Some((mean, if values.len() > 1 { (square / (count - 1.0)).sqrt() } else { 0.0 }))
 }
 
-/// What is measured of a run: name and value.
-const FIGURES: [(&str, fn(&Done) -> Option<f64>); 5] = [
+/// Takes a figure from a run; none where it was not recorded.
+type Measure = fn(&Done) -> Option<f64>;
+
+/// What is measured of a run, by name.
+const FIGURES: [(&str, Measure); 5] = [
     ("peak pressure on the bulkhead [kPa]", |done| {
         let peaks = (3..3 + cabin::STATIONS).filter_map(|k| cabin::peak_and_mean(&done.series, &cabin::pressure(k)));
         peaks.map(|it| 1e-3 * it.0).reduce(f64::max)
@@ -130,11 +133,11 @@ pub fn section(points: &[(Point, Vec<Done>)]) -> Result<Markup, Failure> {
 }
 
 fn part_section(part: Part, points: &[&(Point, Vec<Done>)]) -> Result<Markup, Failure> {
-    let measured = |runs: &[Done], of: fn(&Done) -> Option<f64>| {
+    let measured = |runs: &[Done], of: Measure| {
         statistics(&runs.iter().filter(|done| done.summary.error.is_none()).filter_map(of).collect::<Vec<_>>())
     };
     let row = |(point, runs): &&(Point, Vec<Done>)| {
-        let cell = |of: fn(&Done) -> Option<f64>| match measured(runs, of) {
+        let cell = |of: Measure| match measured(runs, of) {
             Some((mean, deviation)) => format!("{mean:.3} \u{b1} {deviation:.3}"),
             None => "-".to_string(),
         };
