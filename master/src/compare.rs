@@ -2,12 +2,9 @@
 
 use crate::record::{Column, Error, Series};
 use crate::report::html::{self, Failure};
-use crate::report::{Chart, Curve, Short};
+use crate::report::{Chart, Curve, MOST_MARKERS, Short};
 use maud::{Markup, html};
 use std::path::{Path, PathBuf};
-
-/// Most points of a table that are drawn as markers; more are drawn as a line.
-const MOST_MARKERS: usize = 60;
 
 /// What to compare.
 #[derive(Debug, Clone, PartialEq, clap::Args)]

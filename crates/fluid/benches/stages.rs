@@ -1,7 +1,7 @@
 //! Times of the stages of a step by themselves: `cargo bench -p fluid`. One thread; a column of water that has begun to fall.
 
 use divan::Bencher;
-use fluid::{AccurateParameters, Geometry, Parameters, Scheme, Shaking, SolveParameters, Solver, Stages, State};
+use fluid::{Geometry, Parameters, SolveParameters, Solver, Stages, State};
 use kinematics::Motion;
 use nalgebra::Vector2;
 
@@ -22,15 +22,10 @@ fn column(count: usize) -> Option<(Solver, State, f64)> {
         ..Geometry::default()
     };
     let parameters = Parameters {
-        density: 1000.0,
-        gravity: Vector2::new(0.0, -9.81),
-        attraction: 0.0,
-        damping: Vec::new(),
-        shaking: Shaking::default(),
         spacing,
-        scheme: Scheme::Accurate(AccurateParameters::default()),
         solve: SolveParameters { tolerance: 1e-4, maximum_iterations: 500 },
         threads: 1,
+        ..Parameters::default()
     };
     let solver = Solver::new(parameters, geometry).ok()?;
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());

@@ -4,7 +4,7 @@
 //! and prints Markdown tables. Sweeps: courant, spacing, start, alpha, shifting, repulsion, spreading,
 //! smoothing, tolerance.
 
-use fluid::{AccurateParameters, Geometry, Parameters, Scheme, Shaking, SolveParameters, Solver, State};
+use fluid::{AccurateParameters, Geometry, Parameters, Scheme, SolveParameters, Solver, State};
 use kinematics::Motion;
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -139,13 +139,11 @@ impl Run {
         let parameters = Parameters {
             density: DENSITY,
             gravity: Vector2::new(0.0, -GRAVITY),
-            attraction: 0.0,
-            damping: Vec::new(),
-            shaking: Shaking::default(),
             spacing: depth / self.resolution,
             scheme: Scheme::Accurate(self.scheme.clone()),
             solve: SolveParameters { tolerance: self.tolerance, maximum_iterations: 500 },
             threads: 1,
+            ..Parameters::default()
         };
         Solver::new(parameters, geometry)
     }

@@ -3,7 +3,7 @@
 //! Prints a line of figures per hundredth of the run, water at rest in a tank or a collapsing column, and at the end
 //! where the time went, in nanoseconds per particle and internal step.
 
-use fluid::{AccurateParameters, Geometry, Parameters, Scheme, Shaking, SolveParameters, Solver, StageTimes};
+use fluid::{Geometry, Parameters, SolveParameters, Solver, StageTimes};
 use kinematics::Motion;
 use nalgebra::Vector2;
 
@@ -23,15 +23,10 @@ fn geometry(case: &str) -> Geometry {
 
 fn parameters(spacing: f64, threads: usize) -> Parameters {
     Parameters {
-        density: 1000.0,
-        gravity: Vector2::new(0.0, -9.81),
-        attraction: 0.0,
-        damping: Vec::new(),
-        shaking: Shaking::default(),
         spacing,
-        scheme: Scheme::Accurate(AccurateParameters::default()),
         solve: SolveParameters { tolerance: 1e-3, maximum_iterations: 500 },
         threads,
+        ..Parameters::default()
     }
 }
 

@@ -29,6 +29,23 @@ pub struct Parameters {
     pub threads: usize,
 }
 
+impl Default for Parameters {
+    /// Water under gravity in the accurate scheme at its defaults, spacing 10 mm, on all processors.
+    fn default() -> Self {
+        Self {
+            density: 1000.0,
+            gravity: Vector2::new(0.0, -9.81),
+            attraction: 0.0,
+            shaking: Shaking::default(),
+            damping: Vec::new(),
+            spacing: 0.01,
+            scheme: Scheme::Accurate(AccurateParameters::default()),
+            solve: SolveParameters { tolerance: 1e-5, maximum_iterations: 500 },
+            threads: 0,
+        }
+    }
+}
+
 /// Displacement `amplitude` cos(2 pi t / `period`) of tank and frame from t = 0 on: water feels the acceleration
 /// `amplitude` (2 pi / `period`)^2 cos(2 pi t / `period`).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! Which pictures a run gets: families of recorded variables, references of checks, iterations, and the field.
 
 use super::chart::{Band, Chart, Curve};
-use super::field::FieldFigure;
+use super::field::{FieldFigure, Quantity};
 use super::{Error, Fields, movie};
 use crate::case::Case;
 use crate::checks::{self, Reference};
@@ -15,7 +15,7 @@ pub(super) const MOVIE: &str = "movie.png";
 /// Moments shown side by side.
 const MOMENTS: usize = 4;
 /// Most points of a reference that are drawn one by one; more are drawn as a line.
-const MOST_MARKERS: usize = 60;
+pub(crate) const MOST_MARKERS: usize = 60;
 /// Variables, by how their names go on after the participant, that a run without a choice of its own plots only when a
 /// check asks for them: book-keeping, and figures of special scenes.
 const ASIDE: [&str; 8] =
@@ -185,7 +185,7 @@ fn pictures(folder: &Path, plots: &Path) -> Vec<Result<PathBuf, Error>> {
     let times = fields.times();
     let Some(last) = times.last() else { return Vec::new() };
     let draw = |times: &[f64], columns: usize, name: &str| {
-        let panels = times.iter().map(|&time| fields.panel(time)).collect::<Result<Vec<_>, _>>();
+        let panels = times.iter().map(|&time| fields.panel(time, Quantity::Pressure)).collect::<Result<Vec<_>, _>>();
         let panels = panels.map_err(|reason| Error::new(folder, reason))?;
         FieldFigure { panels, columns, ..FieldFigure::default() }.draw(&plots.join(name))
     };

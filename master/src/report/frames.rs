@@ -1,6 +1,6 @@
 //! Field frames that the components wrote.
 
-use super::field::{Line, Panel};
+use super::field::{Line, Panel, Quantity};
 use components::frames::{ReadFrame, read_frame};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -58,24 +58,21 @@ impl Fields {
         main.iter().map(|entry| entry.time).collect()
     }
 
-    /// The frame nearest to a time, particles coloured by pressure.
+    /// The frame nearest to a time, particles coloured by a quantity.
     ///
     /// # Errors
     /// A frame that cannot be read.
-    pub fn panel(&self, time: f64) -> Result<Panel, String> {
+    pub fn panel(&self, time: f64, quantity: Quantity) -> Result<Panel, String> {
         let (water, lines) = self.read(time)?;
-        let values = water.scalar("pressure").map_or_else(|| vec![0.0; water.points.len()], <[f32]>::to_vec);
-        Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, values, lines })
-    }
-
-    /// The same, coloured by speed.
-    ///
-    /// # Errors
-    /// A frame that cannot be read.
-    pub fn speeds(&self, time: f64) -> Result<Panel, String> {
-        let (water, lines) = self.read(time)?;
-        let velocity = water.fields.get("velocity").map_or(&[][..], |(_, values)| values.as_slice());
-        let values = velocity.chunks_exact(3).map(|it| it[0].hypot(it[1])).collect();
+        let values = match quantity {
+            Quantity::Pressure => {
+                water.scalar("pressure").map_or_else(|| vec![0.0; water.points.len()], <[f32]>::to_vec)
+            }
+            Quantity::Speed => {
+                let velocity = water.fields.get("velocity").map_or(&[][..], |(_, values)| values.as_slice());
+                velocity.chunks_exact(3).map(|it| it[0].hypot(it[1])).collect()
+            }
+        };
         Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, values, lines })
     }
 

@@ -14,6 +14,7 @@ mod text;
 pub use canvas::{Error, prepare_font};
 pub use chart::{Band, Chart, Curve};
 pub use field::{FieldFigure, Panel, Quantity};
+pub(crate) use figures::MOST_MARKERS;
 pub use figures::{Pictures, draw_all};
 pub use frames::{Fields, FrameEntry, frames};
 pub use log_chart::LogChart;

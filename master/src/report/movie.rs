@@ -1,6 +1,6 @@
 //! A moving picture of the field as an animated PNG, which every browser plays without help.
 
-use super::field::{Panel, View, colour, range_of, spacing};
+use super::field::{Panel, Quantity, View, colour, range_of, spacing};
 use super::{Error, Fields};
 use plotters::style::RGBColor;
 use resvg::tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Stroke, Transform};
@@ -33,7 +33,7 @@ pub fn movie(fields: &Fields, window: Option<Window>, path: &Path) -> Result<Opt
     if times.len() < 2 {
         return Ok(None);
     }
-    let sample = |time: f64| fields.panel(time).map_err(|reason| Error::new(path, reason));
+    let sample = |time: f64| fields.panel(time, Quantity::Pressure).map_err(|reason| Error::new(path, reason));
     let few = [sample(0.5 * (first + last))?, sample(*last)?];
     let range = range_of(&few);
     let view = window.map_or_else(|| View::of(&few), |it| View { x: (it[0], it[2]), y: (it[1], it[3]) });

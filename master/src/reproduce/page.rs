@@ -22,7 +22,7 @@ const HISTORIES: [(&str, &str, &str, &str, f64); 7] = [
 const AROUND: f64 = 0.62;
 const START: [f64; 2] = [2.0, 0.7206];
 
-/// The section. `finer` are the models of other folders with their spacings.
+/// The section. `others` are the models of other folders with their spacings.
 pub fn section(models: &[Model], others: &[(f64, Vec<Model>)], folder: &Path) -> Result<Markup, Failure> {
     Ok(html! {
         h2 { "Runs" }
@@ -240,7 +240,7 @@ fn fields(models: &[Model], folder: &Path) -> Result<Markup, Failure> {
             else {
                 continue;
             };
-            let panel = if quantity == Quantity::Pressure { frames.panel(time)? } else { frames.speeds(time)? };
+            let panel = frames.panel(time, quantity)?;
             let centre = [0, 1].map(|axis| START[axis] + place(model, time)[axis]);
             figure.panels.push(panel.around(centre, AROUND, &format!("model {}, t = {time:.2} s", model.name)));
         }

@@ -2,7 +2,7 @@
 
 use super::Done;
 use crate::report::html::{self, Failure};
-use crate::report::{Band, Chart, Curve, FieldFigure, Fields, movie};
+use crate::report::{Band, Chart, Curve, FieldFigure, Fields, Quantity, movie};
 use maud::{Markup, html};
 use std::path::Path;
 
@@ -66,7 +66,7 @@ fn shapes(done: &Done, plots: &Path, index: usize) -> Result<Vec<Markup>, Failur
     let times = fields.times();
     let Some(&last) = times.last() else { return Ok(Vec::new()) };
     let moments = MOMENTS.iter().filter(|&&time| time <= last);
-    let panels: Result<Vec<_>, String> = moments.map(|&time| fields.panel(time)).collect();
+    let panels: Result<Vec<_>, String> = moments.map(|&time| fields.panel(time, Quantity::Pressure)).collect();
     let figure = FieldFigure { panels: panels?, columns: 2, ..FieldFigure::default() };
     let spacing = 1e3 * done.summary.spacing.unwrap_or(f64::NAN);
     let mut all = Vec::new();

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use fluid::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme, Shaking, SolveParameters};
+use fluid::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme, SolveParameters};
 use kinematics::{Beam, BeamModes, Body, Support};
 use nalgebra::Vector2;
 
@@ -26,15 +26,11 @@ pub fn accurate() -> Scheme {
 
 pub fn parameters(scheme: Scheme, spacing: f64, tolerance: f64, threads: usize) -> Parameters {
     Parameters {
-        density: 1000.0,
-        gravity: Vector2::new(0.0, -9.81),
-        attraction: 0.0,
-        damping: Vec::new(),
-        shaking: Shaking::default(),
         spacing,
         scheme,
         solve: SolveParameters { tolerance, maximum_iterations: 500 },
         threads,
+        ..Parameters::default()
     }
 }
 
