@@ -1,12 +1,13 @@
 //! The case file: which FMUs run, with which parameters, how they are connected and coupled, what is recorded.
 
 use scene::{Check, Coupling, Output, Run};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// A case, from a file or made from a scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
     /// One line that names the case.
@@ -43,7 +44,7 @@ pub struct Case {
 }
 
 /// One FMU of a case.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fmu {
     /// Name in connections and results.
@@ -52,11 +53,12 @@ pub struct Fmu {
     pub path: PathBuf,
     /// Start values by name of the variable.
     #[serde(default)]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub parameters: BTreeMap<String, toml::Value>,
 }
 
 /// A connection, both ends as `fmu.variable`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Connection {
     /// Output.

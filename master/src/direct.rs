@@ -74,6 +74,7 @@ fn describe<C: Component>(model: &Model<C>) -> Description {
     Description {
         variables: model.variables.iter().map(variable).collect(),
         saves_states: true,
+        serialises_states: true,
         variable_step: true,
         derivatives: model.directional_derivatives,
     }
@@ -179,6 +180,16 @@ impl<C: Component> Participant for DirectParticipant<C> {
         };
         let result = self.instance.set_state(state);
         self.check("restoring the state", result)
+    }
+
+    fn serialise(&mut self) -> Result<Vec<u8>, Error> {
+        let result = self.instance.get_state().and_then(|state| self.instance.serialize(&state));
+        self.check("serialising the state", result)
+    }
+
+    fn deserialise(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let result = self.instance.deserialize(bytes).and_then(|state| self.instance.set_state(&state));
+        self.check("restoring a serialised state", result)
     }
 
     fn release(&mut self) -> Result<(), Error> {

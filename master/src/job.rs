@@ -1,12 +1,14 @@
 //! A run with everything around it: the case, where its files go, and the report afterwards.
 
 use crate::case::Case;
+use crate::checkpoint::{self, Checkpoint, Schedule};
 use crate::checks::{self, Context};
 use crate::participant::Participant;
 use crate::progress::Progress;
-use crate::record::{self, Series, Summary};
+use crate::record::{self, Series, Status, Summary};
 use crate::report;
 use crate::run::{self, Outcome};
+use crate::tell;
 use scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -41,6 +43,21 @@ impl Facts {
     }
 }
 
+/// Files of a run's folder that a new run there removes.
+const OWN_FILES: [&str; 11] = [
+    "results.csv",
+    "results.parquet",
+    "iterations.csv",
+    "summary.json",
+    "summary.md",
+    "report.html",
+    "log.txt",
+    "scene.toml",
+    "run.json",
+    "checkpoint.bin",
+    "checkpoint.part",
+];
+
 /// A run to be done.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
@@ -54,14 +71,20 @@ pub struct Job {
     pub references: PathBuf,
     /// What the scene tells beyond the case.
     pub facts: Facts,
+    /// All that decides its numbers, as text: a run is resumed with the same inputs only.
+    pub inputs: String,
 }
 
 impl Job {
-    /// Makes the folder and removes what an earlier run left there.
-    pub fn prepare_folder(&self) -> Result<(), record::Error> {
+    /// Makes the folder and removes what an earlier run left there; with `resume`, a run that left a checkpoint goes on.
+    pub fn prepare_folder(&self, resume: bool) -> Result<Option<Checkpoint>, record::Error> {
         let wrong = |error: std::io::Error| record::Error::new(&self.folder, error);
         std::fs::create_dir_all(&self.folder).map_err(wrong)?;
-        for name in ["results.csv", "iterations.csv", "summary.json", "summary.md", "report.html", "log.txt"] {
+        let path = self.folder.join(checkpoint::FILE_NAME);
+        if resume && path.is_file() {
+            return Checkpoint::read(&path, &self.inputs).map(Some);
+        }
+        for name in OWN_FILES {
             let path = self.folder.join(name);
             if path.is_file() {
                 std::fs::remove_file(path).map_err(wrong)?;
@@ -70,7 +93,7 @@ impl Job {
         for name in ["frames", "plots"] {
             remove_files(&self.folder.join(name)).map_err(wrong)?;
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Runs, then writes summary.json, plots and summary.md. The error is one from before the first step, or of a
@@ -78,11 +101,17 @@ impl Job {
     pub fn execute(
         &self,
         participants: Vec<Box<dyn Participant>>,
+        from: Option<Checkpoint>,
         interrupted: &AtomicBool,
         progress: &mut Progress,
     ) -> Result<(Summary, Outcome), run::Error> {
-        let outcome = run::run(&self.case, participants, &self.folder, interrupted, progress)?;
+        let schedule = Schedule::new(&self.folder, self.case.output.checkpoint_interval, self.inputs.clone());
+        let outcome = run::run(&self.case, participants, &self.folder, schedule, from, interrupted, progress)?;
         progress.finish();
+        let path = self.folder.join(checkpoint::FILE_NAME);
+        if outcome.status == Status::Complete && path.is_file() {
+            std::fs::remove_file(&path).map_err(|error| record::Error::new(&path, error))?;
+        }
         let summary = self.summary(&outcome);
         summary.write(&self.folder.join("summary.json"))?;
         self.report(&summary, &outcome)?;
@@ -114,7 +143,7 @@ impl Job {
     fn report(&self, summary: &Summary, outcome: &Outcome) -> Result<(), record::Error> {
         let pictures = report::draw_all(&self.case, &outcome.series, &outcome.counts, &self.folder, &self.references);
         for failure in &pictures.failures {
-            eprintln!("warning: {failure}");
+            tell!("warning: {failure}");
         }
         let about = [("Source", self.facts.source.as_str()), ("What differs", self.facts.differs.as_str())];
         let text = report::markdown(summary, &about, &pictures.files, &self.folder);

@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod case;
+pub mod checkpoint;
 pub mod checks;
 pub mod command;
 pub mod compare;
@@ -10,6 +11,7 @@ pub mod direct;
 pub mod fmu;
 pub mod job;
 pub mod log;
+pub mod machine;
 pub mod pack;
 pub mod participant;
 pub mod progress;
@@ -17,5 +19,7 @@ pub mod record;
 pub mod report;
 pub mod reproduce;
 pub mod run;
+pub mod say;
 pub mod scene_case;
 pub mod stages;
+pub mod target;

@@ -1,5 +1,9 @@
 //! Messages of the participants: all go to a file, warnings and errors also to the terminal.
 
+use crate::progress::Style;
+use crate::record::Error;
+use crate::tell;
+use serde_json::json;
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
@@ -35,15 +39,19 @@ pub struct Log {
 #[derive(Debug, Default)]
 struct Sink {
     file: Option<File>,
-    terminal: bool,
+    terminal: Option<Style>,
     last_problem: Option<String>,
 }
 
 impl Log {
-    /// Writes to a new file at `path`, and warnings and errors to the terminal when `terminal` is set.
-    pub fn to_file(path: &Path, terminal: bool) -> std::io::Result<Self> {
-        let file = File::create(path)?;
-        Ok(Self { sink: Arc::new(Mutex::new(Sink { file: Some(file), terminal, last_problem: None })) })
+    /// Writes to a file at `path`, which is continued or made anew, and warnings and errors to the terminal in `style`.
+    ///
+    /// # Errors
+    /// The file cannot be opened.
+    pub fn to_file(path: &Path, style: Style, continued: bool) -> Result<Self, Error> {
+        let file = if continued { File::options().append(true).create(true).open(path) } else { File::create(path) };
+        let file = file.map_err(|error| Error::new(path, error))?;
+        Ok(Self { sink: Arc::new(Mutex::new(Sink { file: Some(file), terminal: Some(style), last_problem: None })) })
     }
 
     /// Records one message of a participant.
@@ -55,8 +63,16 @@ impl Log {
             let _ = writeln!(file, "{line}");
         }
         if level >= Level::Warning {
-            if sink.terminal {
-                eprintln!("{line}");
+            match sink.terminal {
+                Some(Style::Json) => tell!(
+                    "{}",
+                    json!({
+                        "event": "message", "participant": participant, "level": level.word(), "category": category,
+                        "text": text.trim_end(),
+                    })
+                ),
+                Some(_) => tell!("{line}"),
+                None => {}
             }
             sink.last_problem = Some(text.trim_end().to_string());
         }

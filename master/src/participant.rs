@@ -92,6 +92,8 @@ pub struct Description {
     pub variables: Vec<Variable>,
     /// Whether a state can be saved and restored.
     pub saves_states: bool,
+    /// Whether a state can be written as bytes.
+    pub serialises_states: bool,
     /// Whether the communication step may change during a run.
     pub variable_step: bool,
     /// Whether directional derivatives are available.
@@ -209,6 +211,10 @@ pub trait Participant {
     fn save(&mut self, slot: usize) -> Result<(), Error>;
     /// Restores the state of a slot, which stays valid.
     fn restore(&mut self, slot: usize) -> Result<(), Error>;
+    /// The present state as bytes, for [`Participant::deserialise`] in any process.
+    fn serialise(&mut self) -> Result<Vec<u8>, Error>;
+    /// Takes a state from bytes; the participant is initialised.
+    fn deserialise(&mut self, bytes: &[u8]) -> Result<(), Error>;
     /// Frees the states of all slots.
     fn release(&mut self) -> Result<(), Error>;
     /// Derivative of `unknowns` in the direction `seed` of `knowns`, as of the last step; `sensitivity` has the

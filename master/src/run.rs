@@ -1,6 +1,7 @@
 //! One run: initialise, step to the end, record, and sum up, whatever happens on the way.
 
 use crate::case::{self, Case};
+use crate::checkpoint::{Checkpoint, Schedule};
 use crate::coupling::{self, Connection, Parameters, Stepper, System};
 use crate::participant::{self, Participant, Value};
 use crate::progress::Progress;
@@ -79,11 +80,13 @@ pub fn method_name(method: scene::Method) -> &'static str {
 
 /// Runs a case with these participants, which are in the order of the case and bear its names. Tables go to `folder`.
 /// An error before the first step is returned; a later one ends the run and is part of the outcome, and so does
-/// `interrupted` turning true.
+/// `interrupted` turning true. Checkpoints are written as `schedule` says; with `from`, the run goes on there.
 pub fn run(
     case: &Case,
     participants: Vec<Box<dyn Participant>>,
     folder: &Path,
+    schedule: Schedule,
+    from: Option<Checkpoint>,
     interrupted: &AtomicBool,
     progress: &mut Progress,
 ) -> Result<Outcome, Error> {
@@ -92,20 +95,22 @@ pub fn run(
     let parameters = parameters(case);
     let steps = coupling::steps_between(case.start, case.run.end, case.run.communication_step);
     system.initialise(case.start, case.start + steps as f64 * case.run.communication_step)?;
-    let stepper = Stepper::new(&parameters, &system)?;
-    let iterations = IterationWriter::create(&folder.join("iterations.csv"), &system.iterated_names())?;
-    let results =
-        ResultWriter::create(&folder.join("results.csv"), &system, &case.exclude, case.output.record_interval)?;
-    let (counts, stages) = (IterationCounts::default(), Stages::default());
-    let step_limit = case.step_limit();
-    let mut run = Run { system, stepper, step_limit, iterations, results, counts, stages, warnings: Vec::new() };
+    let mut run = match from {
+        None => Run::begin(case, system, &parameters, folder, schedule, begin)?,
+        Some(checkpoint) => Run::resume(case, system, &parameters, folder, schedule, begin, checkpoint)?,
+    };
     let result = run.steps(interrupted, progress);
     let (status, error) = match result {
         Ok(status) => (status, None),
         Err(error) => (Status::Failed, Some(error)),
     };
-    Ok(run.finish(status, error, case.start, begin))
+    Ok(run.finish(status, error, case.start))
 }
+
+/// Table of the coupling in a run's folder.
+const ITERATIONS: &str = "iterations.csv";
+/// Table of the results in a run's folder.
+const RESULTS: &str = "results.csv";
 
 struct Run {
     system: System,
@@ -117,13 +122,74 @@ struct Run {
     counts: IterationCounts,
     stages: Stages,
     warnings: Vec<String>,
+    schedule: Schedule,
+    begin: Instant,
+    /// Wall-clock time before the checkpoint that this run goes on from \[s\].
+    earlier: f64,
 }
 
 impl Run {
+    fn begin(
+        case: &Case,
+        system: System,
+        parameters: &Parameters,
+        folder: &Path,
+        schedule: Schedule,
+        begin: Instant,
+    ) -> Result<Self, Error> {
+        let interval = case.output.record_interval;
+        Ok(Self {
+            stepper: Stepper::new(parameters, &system)?,
+            iterations: IterationWriter::create(&folder.join(ITERATIONS), &system.iterated_names())?,
+            results: ResultWriter::create(&folder.join(RESULTS), &system, &case.exclude, interval)?,
+            step_limit: case.step_limit(),
+            counts: IterationCounts::default(),
+            stages: Stages::default(),
+            warnings: Vec::new(),
+            schedule,
+            begin,
+            earlier: 0.0,
+            system,
+        })
+    }
+
+    fn resume(
+        case: &Case,
+        mut system: System,
+        parameters: &Parameters,
+        folder: &Path,
+        schedule: Schedule,
+        begin: Instant,
+        from: Checkpoint,
+    ) -> Result<Self, Error> {
+        system.deserialise(&from.participants)?;
+        let mut stepper = Stepper::new(parameters, &system)?;
+        stepper.recall(from.memory);
+        // Said already, and among the warnings of the checkpoint.
+        stepper.take_warnings();
+        let interval = case.output.record_interval;
+        Ok(Self {
+            stepper,
+            iterations: IterationWriter::resume(&folder.join(ITERATIONS), from.iterations)?,
+            results: ResultWriter::resume(&folder.join(RESULTS), &system, &case.exclude, interval, from.results)?,
+            step_limit: case.step_limit(),
+            counts: from.counts,
+            stages: from.stages,
+            warnings: from.warnings,
+            schedule,
+            begin,
+            earlier: from.wall,
+            system,
+        })
+    }
+
     fn steps(&mut self, interrupted: &AtomicBool, progress: &mut Progress) -> Result<Status, Error> {
-        self.results.record(&mut self.system, self.stepper.clock().time(), true)?;
+        progress.begin(self.stepper.clock().time(), self.counts.steps);
+        self.results.record(&mut self.system, self.stepper.clock().time(), self.counts.steps == 0)?;
         while !self.stepper.clock().finished() {
             if interrupted.load(Ordering::Relaxed) {
+                // Before the row that an uninterrupted run would not have.
+                self.write_checkpoint(progress);
                 self.results.record(&mut self.system, self.stepper.clock().time(), true)?;
                 return Ok(Status::Interrupted);
             }
@@ -140,9 +206,50 @@ impl Run {
             let report = result?;
             self.counts.add(&report);
             self.record()?;
-            progress.update(self.stepper.clock().time(), self.counts.mean());
+            progress.update(self.stepper.clock().time(), &self.counts);
+            if self.schedule.due() {
+                self.write_checkpoint(progress);
+            }
         }
         Ok(Status::Complete)
+    }
+
+    /// A run goes on without its checkpoint, but the user must know.
+    fn write_checkpoint(&mut self, progress: &Progress) {
+        if self.schedule.interval <= 0.0 || !self.system.serialises() {
+            return;
+        }
+        let start = Instant::now();
+        let written = self.checkpoint().and_then(|checkpoint| Ok(checkpoint.write(&self.schedule.path)?));
+        if let Err(error) = written {
+            let warning = format!("no checkpoint at t = {} s: {error}", self.stepper.clock().time());
+            progress.warn(&warning);
+            self.warnings.push(warning);
+        }
+        self.stages.recording += start.elapsed().as_secs_f64();
+        self.schedule.done();
+    }
+
+    fn checkpoint(&mut self) -> Result<Checkpoint, Error> {
+        self.iterations.check()?;
+        let mut stages = self.stages.clone();
+        stages.collect(&mut self.system);
+        Ok(Checkpoint {
+            program: env!("CARGO_PKG_VERSION").to_string(),
+            inputs: self.schedule.inputs.clone(),
+            participants: self.system.serialise()?,
+            memory: self.stepper.memory().clone(),
+            results: self.results.mark()?,
+            iterations: self.iterations.mark()?,
+            counts: self.counts.clone(),
+            stages,
+            warnings: self.warnings.clone(),
+            wall: self.wall(),
+        })
+    }
+
+    fn wall(&self) -> f64 {
+        self.earlier + self.begin.elapsed().as_secs_f64()
     }
 
     fn record(&mut self) -> Result<(), Error> {
@@ -156,13 +263,14 @@ impl Run {
         Ok(())
     }
 
-    fn finish(mut self, status: Status, error: Option<Error>, start: f64, begin: Instant) -> Outcome {
+    fn finish(mut self, status: Status, error: Option<Error>, start: f64) -> Outcome {
         let flushed = self.iterations.check().map_err(Error::from);
         let ended = self.system.terminate().map_err(Error::from);
         self.stages.collect(&mut self.system);
         // A failure to end a participant matters only when nothing else failed.
         let late = flushed.and(ended).err();
         let status = if late.is_some() && status == Status::Complete { Status::Failed } else { status };
+        let wall = self.wall();
         Outcome {
             status,
             error: error.or(late),
@@ -172,7 +280,7 @@ impl Run {
             method: self.stepper.method(),
             stages: self.stages,
             warnings: self.warnings,
-            wall: begin.elapsed().as_secs_f64(),
+            wall,
         }
     }
 }

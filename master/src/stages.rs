@@ -3,10 +3,11 @@
 use crate::coupling::System;
 use crate::participant::{Causality, Kind, Value};
 use crate::record::STAGE;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Times of a run \[s\].
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Stages {
     /// In accepted and repeated steps, participants included.
     pub advancing: f64,
@@ -19,9 +20,9 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// Asks the participants; one that cannot answer any more (after an error) counts for nothing.
+    /// Adds what the participants spent in this process, once; one that cannot answer any more (after an error) counts for nothing.
     pub fn collect(&mut self, system: &mut System) {
-        self.stepping = system.step_seconds();
+        self.stepping += system.step_seconds();
         for participant in system.participants() {
             let variables = participant.description().variables.clone();
             let stages = variables.iter().filter(|variable| {

@@ -8,7 +8,7 @@ use plimsoll::fmu::FmuParticipant;
 use plimsoll::job::{Facts, Job};
 use plimsoll::log::Log;
 use plimsoll::participant::Participant;
-use plimsoll::progress::Progress;
+use plimsoll::progress::{Progress, Style};
 use plimsoll::record::Status;
 use plimsoll::scene_case::{self, Places};
 use scene::Scene;
@@ -33,13 +33,20 @@ fn job(folder: &Path) -> Job {
     let out = folder.join("out");
     let places = Places { scene: path, fmus: folder.join("fmus"), frames: out.join("frames") };
     let case = scene_case::case(&scene, &[], Some(1), &places);
-    Job { name: "small".into(), case, folder: out, references: folder.to_path_buf(), facts: Facts::of(&scene) }
+    Job {
+        name: "small".into(),
+        case,
+        folder: out,
+        references: folder.to_path_buf(),
+        facts: Facts::of(&scene),
+        inputs: String::new(),
+    }
 }
 
 fn execute(job: &Job, participants: Vec<Box<dyn Participant>>) -> String {
-    job.prepare_folder().unwrap();
-    let mut progress = Progress::new(0.0, 1.0, true);
-    let (summary, _) = job.execute(participants, &AtomicBool::new(false), &mut progress).unwrap();
+    job.prepare_folder(false).unwrap();
+    let mut progress = Progress::new(0.0, 1.0, Style::Quiet);
+    let (summary, _) = job.execute(participants, None, &AtomicBool::new(false), &mut progress).unwrap();
     assert_eq!((summary.status, summary.error), (Status::Complete, None));
     assert!(summary.coupling.mean_iterations > 1.5, "{:?}", summary.coupling);
     assert!(summary.checks["tip"].value.unwrap().abs() > 0.0);

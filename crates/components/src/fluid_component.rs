@@ -77,16 +77,16 @@ pub struct FluidComponent {
     observed: OnceCell<Observables>,
 }
 
-/// Particles of a scene's water, set up as a run would do it; 0 without a fluid.
+/// Places of the particles of a scene's water \[m\], set up as a run would do it; none without a fluid.
 ///
 /// # Errors
 /// What a run would refuse before its first step.
-pub fn particles(scene: &Scene) -> Result<usize, Error> {
+pub fn fluid_set_up(scene: &Scene) -> Result<Vec<[f32; 2]>, Error> {
     if scene.fluid.is_none() {
-        return Ok(0);
+        return Ok(Vec::new());
     }
     let machinery = Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, &SceneParameters::default(), 0.0)?;
-    Ok(machinery.solver.initial_state().positions.len())
+    Ok(machinery.solver.initial_state().positions.iter().map(crate::frames::single).collect())
 }
 
 impl FluidComponent {
@@ -249,7 +249,10 @@ impl Component for FluidComponent {
                 Machinery::new(Arc::clone(&progress.scene), self.modes, &state.parameters.common, progress.start);
             self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
         }
-        Ok(())
+        match &mut self.machinery {
+            Some(machinery) => machinery.resume(progress.state.time),
+            None => Ok(()),
+        }
     }
 
     fn derivatives(&mut self, unknowns: &[Reference], knowns: &[Reference]) -> Result<Vec<f64>, Failure> {

@@ -6,6 +6,7 @@
 use crate::Error;
 use nalgebra::Vector2;
 use quick_xml::Writer;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -63,6 +64,22 @@ impl Series {
         std::fs::create_dir_all(folder).map_err(|error| failed(folder, &error))?;
         let (folder, written) = (folder.to_path_buf(), BTreeMap::new());
         Ok(Self { folder, field, start, interval, written, last: None })
+    }
+
+    /// Takes up the frames before `time` that stand in the folder, when this series has written none: the run began in
+    /// another process, and goes on here from a saved state.
+    pub fn resume(&mut self, time: f64) -> Result<(), Error> {
+        let path = self.folder.join(format!("{}.pvd", self.field));
+        if self.last.is_some() || time <= self.start || !path.is_file() {
+            return Ok(());
+        }
+        let text = std::fs::read_to_string(&path).map_err(|error| failed(&path, &error))?;
+        let listed: Listed = quick_xml::de::from_str(&text).map_err(|error| failed(&path, &error))?;
+        for frame in listed.collection.frames.iter().filter(|frame| frame.time < time) {
+            self.written.insert(self.number(frame.time), frame.time);
+        }
+        self.last = self.written.iter().next_back().map(|(number, at)| (*number, *at));
+        Ok(())
     }
 
     /// The number of the frame that is due at `time`, if one is.
@@ -125,6 +142,25 @@ impl Series {
             })?;
         Ok(writer.into_inner())
     }
+}
+
+/// A .pvd file as it is read again.
+#[derive(Deserialize)]
+struct Listed {
+    #[serde(rename = "Collection")]
+    collection: Collection,
+}
+
+#[derive(Deserialize)]
+struct Collection {
+    #[serde(rename = "DataSet", default)]
+    frames: Vec<ListedFrame>,
+}
+
+#[derive(Deserialize)]
+struct ListedFrame {
+    #[serde(rename = "@timestep")]
+    time: f64,
 }
 
 fn failed(path: &Path, error: &dyn std::fmt::Display) -> Error {

@@ -150,14 +150,17 @@ impl Machinery {
     }
 }
 
-/// Coordinates that a scene's structure is solved for, set up as a run would do it; 0 without a structure.
+/// Coordinates that a scene's structure is solved for, and the lines of its outline \[m\], set up as a run would do it;
+/// 0 and none without a structure.
 ///
 /// # Errors
 /// What a run would refuse before its first step.
-pub fn coordinates(scene: &Scene) -> Result<usize, Error> {
-    let Some(structure) = &scene.structure else { return Ok(0) };
-    Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, None)?;
-    Ok(structure.free.len() + scene.modes())
+pub fn structure_set_up(scene: &Scene) -> Result<(usize, Vec<[[f32; 2]; 2]>), Error> {
+    let Some(structure) = &scene.structure else { return Ok((0, Vec::new())) };
+    let machinery = Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, None)?;
+    let frame = machinery.frame(&Motion::at_rest(machinery.body.modes()));
+    let lines = frame.lines.iter().map(|ends| ends.map(|end| frame.points[end as usize])).collect();
+    Ok((structure.free.len() + scene.modes(), lines))
 }
 
 impl StructureComponent {
@@ -315,7 +318,10 @@ impl Component for StructureComponent {
             let machinery = fresh.and_then(|series| Machinery::new(Arc::clone(&progress.scene), self.modes, series));
             self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
         }
-        Ok(())
+        let Some(series) = self.machinery.as_mut().and_then(|machinery| machinery.series.as_mut()) else {
+            return Ok(());
+        };
+        series.resume(progress.state.time).map_err(|error| Failure::broken(error.to_string()))
     }
 
     fn derivatives(&mut self, unknowns: &[Reference], knowns: &[Reference]) -> Result<Vec<f64>, Failure> {

@@ -1,10 +1,11 @@
 //! The figures that a scene asks of its own result. Field names are the keys of the file.
 
 use crate::Point;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A figure that the program computes of its own result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
     /// Name in the summary.
@@ -71,7 +72,7 @@ pub struct Check {
 }
 
 /// What a check computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CheckKind {
     /// L2 error of the pressure against rho g (depth - y), over rho g depth: of the last frame, or over all frames in

@@ -1,10 +1,11 @@
 //! What is read from the water: probes, gauges, regions.
 
 use crate::types::Point;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A pressure probe: one point, or `count` points on a line.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
     /// Name in reports.
@@ -43,7 +44,7 @@ impl Probe {
 }
 
 /// A vertical line where the water level is reported.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gauge {
     /// Name in reports.
@@ -53,7 +54,7 @@ pub struct Gauge {
 }
 
 /// A region whose water mass is reported.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
     /// Name in reports.

@@ -1,10 +1,11 @@
 //! The structure in a scene file. Field names are the keys of the file.
 
 use crate::{Point, Wall};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The rigid cabin with its elastic beam.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Structure {
     /// Place of the centre of gravity of the rigid part at the start \[m\].
@@ -43,7 +44,7 @@ pub struct Structure {
 }
 
 /// Contact with fixed walls: a corner at the depth delta is pushed out by k delta (1 + damping delta'), without friction.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
     /// Depth to which one corner sinks under the cabin's weight \[m\]; decides the stiffness k.
@@ -59,7 +60,7 @@ impl Default for Contact {
 }
 
 /// A rigid degree of freedom.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Freedom {
     /// Sway, along X.
@@ -71,7 +72,7 @@ pub enum Freedom {
 }
 
 /// The elastic beam.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Beam {
     /// How its ends are held.
@@ -126,7 +127,7 @@ impl Beam {
 }
 
 /// How the ends of the beam are held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Support {
     /// Both ends clamped.
@@ -136,7 +137,7 @@ pub enum Support {
 }
 
 /// Time integration of the structure.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Integrator {
     /// Spectral radius at infinite frequency (0 to 1); given, generalised-alpha replaces Newmark.

@@ -1,13 +1,14 @@
 //! The types that a scene file deserialises into. Field names are the keys of the file.
 
 use crate::{Check, Gauge, Probe, Region, Structure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A point or vector \[m\] as written in the file.
 pub type Point = [f64; 2];
 
 /// A whole scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// One line that names the case.
@@ -48,7 +49,7 @@ impl Scene {
 }
 
 /// Duration and communication step.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
     /// End of the run \[s\]; it starts at 0.
@@ -58,25 +59,27 @@ pub struct Run {
 }
 
 /// What is written and how often.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// Time between field frames \[s\]; 0 writes none.
     pub interval: f64,
     /// Time between rows of the results \[s\]; 0 writes every communication step.
     pub record_interval: f64,
+    /// Wall-clock time between checkpoints, from which a run can be resumed \[s\]; 0 writes none.
+    pub checkpoint_interval: f64,
     /// Variables to plot, by name; empty plots a default choice.
     pub plot: Vec<String>,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { interval: 0.02, record_interval: 0.0, plot: Vec::new() }
+        Self { interval: 0.02, record_interval: 0.0, checkpoint_interval: 30.0, plot: Vec::new() }
     }
 }
 
 /// The water, its walls, and the scheme.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fluid {
     /// Density \[kg/m3\].
@@ -128,7 +131,7 @@ pub struct Fluid {
 }
 
 /// Motion of the water at the start: u = `velocity` + `gradient` r.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Start {
     /// Velocity at the origin \[m/s\].
@@ -143,7 +146,7 @@ pub struct Start {
 }
 
 /// A zone that slows the water: du/dt = -rate u, growing with the square of the way from `from` to `to`, full beyond.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DampingZone {
     /// X where the damping begins \[m\].
@@ -156,7 +159,7 @@ pub struct DampingZone {
 
 /// Displacement `amplitude` cos(2 pi t / `period`) of the tank from t = 0 on. The scene is seen from the tank: the water
 /// feels the acceleration `amplitude` (2 pi / `period`)^2 cos(2 pi t / `period`).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Shaking {
     /// Amplitude \[m\]; zero for none.
@@ -172,7 +175,7 @@ impl Default for Shaking {
 }
 
 /// Discretisation of the fluid.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
     /// Voronoi cells of the particles as weights: accurate, quiet and without numbers to tune.
@@ -193,7 +196,7 @@ impl Scheme {
 }
 
 /// Source term of the pressure Poisson equation.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
     /// Divergence and density deviation mixed with a fixed weight `alpha` (the paper's equation 5).
@@ -204,7 +207,7 @@ pub enum Source {
 }
 
 /// Parameters of the scheme `accurate`. No scene needs others than the defaults.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Accurate {
     /// Share of the error of a cell's area removed per step (0 to 1): larger holds areas closer and is noisier.
@@ -228,7 +231,7 @@ impl Default for Accurate {
 }
 
 /// Parameters of the scheme `paper`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Paper {
     /// Effective radius r_e in spacings, 2.1 to 4.0: larger is smoother and slower.
@@ -269,7 +272,7 @@ impl Default for Paper {
 }
 
 /// Pressure solver.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Solve {
     /// Relative residual at which the iteration stops; 0 picks 1e-3 for free flow and 1e-8 with a moving body.
@@ -285,7 +288,7 @@ impl Default for Solve {
 }
 
 /// A closed polygon.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Polygon {
     /// Corners in order.
@@ -293,7 +296,7 @@ pub struct Polygon {
 }
 
 /// A polyline of wall, fluid on the left when walked along.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Corners in order.
@@ -304,7 +307,7 @@ pub struct Wall {
 }
 
 /// How fluid and structure are coupled.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Coupling {
     /// Method.
@@ -344,7 +347,7 @@ impl Default for Coupling {
 }
 
 /// Coupling method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// `newton` if every participant gives directional derivatives, `explicit` if one saves no states, else `iqn_ils`.

@@ -106,7 +106,8 @@ impl Output {
     pub fn validate(&self, name: &str) -> Result<(), Error> {
         let check = Checker { name };
         check.within("output.interval", self.interval, 0.0, f64::MAX)?;
-        check.within("output.record_interval", self.record_interval, 0.0, f64::MAX)
+        check.within("output.record_interval", self.record_interval, 0.0, f64::MAX)?;
+        check.within("output.checkpoint_interval", self.checkpoint_interval, 0.0, 1e9)
     }
 }
 

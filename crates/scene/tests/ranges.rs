@@ -89,6 +89,7 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("run.communication_step", &["-0.01", "0", "0.9e-9", "1.01"], &["1.0", "1e-3"]),
     ("output.interval", &["-1e-9"], &["0", "1e9"]),
     ("output.record_interval", &["-1e-9"], &["0", "1e9"]),
+    ("output.checkpoint_interval", &["-1e-9", "1.1e9"], &["0", "1e9"]),
     ("fluid.density", &["-1", "0"], &["1e-3"]),
     ("fluid.spacing", &["-0.01", "0", "2e-4", "1e-300"], &["3e-4", "0.1"]),
     ("fluid.threads", &["-1", "1025"], &["0", "1024"]),

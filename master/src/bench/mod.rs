@@ -1,7 +1,6 @@
 //! `plimsoll bench`: the schemes of the fluid compared by error and by run time, and what a step costs, as dated records.
 
 pub mod comparison;
-pub mod machine;
 pub mod page;
 pub mod pictures;
 pub mod plan;
@@ -10,10 +9,11 @@ pub mod sheet;
 pub mod speed;
 pub mod trial;
 
+use crate::machine::{self, Circumstances};
 use crate::record;
 use crate::report::{Short, prepare_font};
+use crate::tell;
 use comparison::Comparison;
-use machine::Circumstances;
 use plan::Plan;
 use scene::{Scene, Scheme};
 use std::error::Error;
@@ -171,7 +171,7 @@ fn say(plan: &Plan, trial: &trial::Trial) {
     let error = trial.errors[0].map_or_else(|| "-".to_string(), |error| Short(error).to_string());
     let (scheme, problem) = (trial.scheme.name(), &trial.problem);
     let times = format!("{:.2} s, processor {:.2} s", trial.wall, trial.seconds());
-    eprintln!("{} {scheme} {} m: error {error}, {times} {problem}", plan.scene, trial.spacing);
+    tell!("{} {scheme} {} m: error {error}, {times} {problem}", plan.scene, trial.spacing);
 }
 
 fn write(record: &Record, folder: &Path) -> Result<PathBuf, Box<dyn Error>> {

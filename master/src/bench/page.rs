@@ -2,8 +2,8 @@
 
 use super::Record;
 use super::comparison::{Comparison, Factor};
-use super::machine;
 use super::trial::Trial;
+use crate::machine;
 use crate::report::Short;
 use scene::Scheme;
 
@@ -171,7 +171,7 @@ fn full(factor: Option<Factor>) -> String {
 mod tests {
     use super::*;
     use crate::bench::comparison::tests::example;
-    use crate::bench::machine::Circumstances;
+    use crate::machine::Circumstances;
 
     #[test]
     fn the_page_says_orders_factors_and_failures() {

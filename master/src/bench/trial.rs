@@ -2,12 +2,13 @@
 
 use super::machine::processor_seconds;
 use super::plan::Plan;
+use crate::checkpoint::Schedule;
 use crate::checks::{self, Context};
 use crate::direct::DirectParticipant;
 use crate::job::Facts;
 use crate::log::Log;
 use crate::participant::Participant;
-use crate::progress::Progress;
+use crate::progress::{Progress, Style};
 use crate::record::{CheckResult, Series, Status};
 use crate::run::{self, Outcome};
 use crate::scene_case::{self, FLUID, Places, STRUCTURE};
@@ -203,8 +204,9 @@ impl Timed<'_> {
             participants.push(participant.map_err(|error| error.to_string())?);
         }
         let folder = &self.places.fmus;
-        let mut progress = Progress::new(case.start, case.run.end, true);
-        run::run(&case, participants, folder, stop, &mut progress).map_err(|error| error.to_string())
+        let mut progress = Progress::new(case.start, case.run.end, Style::Quiet);
+        run::run(&case, participants, folder, Schedule::never(), None, stop, &mut progress)
+            .map_err(|error| error.to_string())
     }
 }
 

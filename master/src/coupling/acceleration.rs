@@ -2,9 +2,10 @@
 
 use super::{IqnIls, Newton};
 use scene::Method;
+use serde::{Deserialize, Serialize};
 
 /// How the next guess follows from the last one and what it led to.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Accelerator {
     /// Q + omega r with a fixed factor.
     Constant {
@@ -80,7 +81,7 @@ pub(super) fn relaxed(used: &[f64], produced: &[f64], factor: f64) -> Vec<f64> {
 
 /// Aitken's dynamic relaxation (Irons and Tuck 1969; Kuettler and Wall 2008, equation 44):
 /// omega_k = -omega_(k-1) r_(k-1).(r_k - r_(k-1)) / |r_k - r_(k-1)|^2.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Aitken {
     first: f64,
     factor: f64,

@@ -1,5 +1,7 @@
 //! Communication points. Time is start + n H with n a whole number of ticks of 2^-k, never a running sum.
 
+use serde::{Deserialize, Serialize};
+
 /// Steps in a row that must converge before a halved step is doubled again.
 const STEPS_BEFORE_GROWTH: u32 = 4;
 /// Ticks of the smallest step, as a power of 2: parts of a communication step are equal to this precision.
@@ -8,7 +10,7 @@ const TICKS: u32 = 10;
 /// Where a run stands and how long its next step is.
 ///
 /// What is left up to the next communication point is divided into equal steps, as few as are no longer than allowed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Clock {
     start: f64,
     step: f64,

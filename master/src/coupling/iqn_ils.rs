@@ -8,19 +8,20 @@
 use super::acceleration::relaxed;
 use super::weights::ResidualSums;
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// A column is dropped when less than this share of it is orthogonal to the newer ones.
 const FILTER: f64 = 1e-2;
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Column {
     residual: DVector<f64>,
     output: DVector<f64>,
 }
 
 /// State of the method.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct IqnIls {
     relaxation: f64,
     reused_steps: usize,

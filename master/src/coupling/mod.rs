@@ -26,5 +26,5 @@ pub use error::Error;
 pub use iqn_ils::IqnIls;
 pub use newton::Newton;
 pub use predictor::Predictor;
-pub use stepper::{IterationRow, Parameters, StepReport, Stepper};
+pub use stepper::{IterationRow, Memory, Parameters, StepReport, Stepper};
 pub use system::{Connection, Pass, System};

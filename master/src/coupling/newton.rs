@@ -2,6 +2,7 @@
 
 use super::acceleration::relaxed;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// Share of a change of the produced quantities that a Jacobian may miss when it is first checked.
 const MISSED: f64 = 0.2;
@@ -13,7 +14,7 @@ const NOISE: f64 = 1e-6;
 ///
 /// Derivatives of foreign participants may be wrong or mean something else (FMI 2.0 leaves open what a derivative at a
 /// communication point is): the first change that the method makes is compared with what the Jacobian foretold.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Newton {
     jacobian: Option<DMatrix<f64>>,
     /// Guess and produced quantities of the last iteration of this step.

@@ -1,9 +1,10 @@
 //! The guess that starts a step: extrapolation of the iterated quantities from the last accepted steps.
 
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Extrapolates step means by a polynomial through the middles of the last steps.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Predictor {
     order: usize,
     initial: Vec<f64>,

@@ -2,6 +2,7 @@
 
 use super::{Accelerator, Clock, Error, IqnIls, Pass, Predictor, Residual, Stall, System, Tolerance};
 use scene::Method;
+use serde::{Deserialize, Serialize};
 
 /// How steps are coupled. Validated by [`scene::Coupling`].
 #[derive(Debug, Clone, PartialEq)]
@@ -52,22 +53,28 @@ enum Failure {
     Refused { participant: String, reason: String },
 }
 
-/// Drives a system through its run, one accepted step at a time.
-pub struct Stepper {
+/// What a stepper carries from step to step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
     clock: Clock,
     predictor: Predictor,
     accelerator: Option<Accelerator>,
+    method: Method,
+    /// Largest factor by which an explicit exchange multiplies errors from step to step, where it is known.
+    amplification: f64,
+}
+
+/// Drives a system through its run, one accepted step at a time.
+pub struct Stepper {
+    memory: Memory,
     names: Vec<String>,
     tolerances: Vec<Tolerance>,
     maximum_iterations: usize,
-    method: Method,
     /// What `iqn_ils` needs in case that it has to take over.
     relaxation: f64,
     reused_steps: usize,
     /// Things that a user should know, each said once.
     warnings: Vec<String>,
-    /// Largest factor by which an explicit exchange multiplies errors from step to step, where it is known.
-    amplification: f64,
 }
 
 impl Stepper {
@@ -102,24 +109,37 @@ impl Stepper {
                  participants answer to each other weakly"
             ));
         }
-        Ok(Self {
+        let memory = Memory {
             clock: Clock::new(parameters.start, parameters.end, parameters.step, smallest),
             predictor: Predictor::new(coupling.predictor_order, system.produced()),
             accelerator,
+            method,
+            amplification: 0.0,
+        };
+        Ok(Self {
+            memory,
             tolerances: names.iter().map(tolerance).collect(),
             names,
             maximum_iterations: coupling.maximum_iterations.max(1),
-            method,
             relaxation: coupling.relaxation,
             reused_steps: coupling.reused_steps,
             warnings,
-            amplification: 0.0,
         })
     }
 
     /// The method in use.
     pub fn method(&self) -> Method {
-        self.method
+        self.memory.method
+    }
+
+    /// What it carries from step to step.
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// Goes on where another stepper of the same parameters stood.
+    pub fn recall(&mut self, memory: Memory) {
+        self.memory = memory;
     }
 
     /// What a user should know and was not told yet.
@@ -129,12 +149,12 @@ impl Stepper {
 
     /// Where the run stands.
     pub fn clock(&self) -> &Clock {
-        &self.clock
+        &self.memory.clock
     }
 
     /// Keeps the next steps no longer than `longest` \[s\], as far as the smallest step allows.
     pub fn limit(&mut self, longest: f64) {
-        self.clock.limit(longest);
+        self.memory.clock.limit(longest);
     }
 
     /// Makes one accepted step, which may be shorter than the communication step. Iterations are handed to `record`
@@ -142,20 +162,20 @@ impl Stepper {
     pub fn advance(&mut self, system: &mut System, record: &mut dyn FnMut(&IterationRow)) -> Result<StepReport, Error> {
         let mut rollbacks = 0;
         loop {
-            let (time, duration) = (self.clock.time(), self.clock.duration());
+            let (time, duration) = (self.memory.clock.time(), self.memory.clock.duration());
             let failure = match self.attempt(system, time, duration, record)? {
                 Ok(iterations) => {
-                    self.clock.advance();
+                    self.memory.clock.advance();
                     return Ok(StepReport { time, duration, iterations, rollbacks });
                 }
                 Err(failure) => failure,
             };
-            let Some(accelerator) = &mut self.accelerator else {
-                return Err(failure.at(time, duration).explained(self.amplification));
+            let Some(accelerator) = &mut self.memory.accelerator else {
+                return Err(failure.at(time, duration).explained(self.memory.amplification));
             };
             accelerator.reject();
             system.restore()?;
-            if !self.clock.halve() {
+            if !self.memory.clock.halve() {
                 return Err(failure.at(time, duration));
             }
             rollbacks += 1;
@@ -169,10 +189,11 @@ impl Stepper {
         duration: f64,
         record: &mut dyn FnMut(&IterationRow),
     ) -> Result<Result<usize, Failure>, Error> {
-        let guess = self.predictor.predict(time, duration);
-        let Some(accelerator) = &mut self.accelerator else {
-            let pass = system.pass(time, duration, &guess).map_err(|error| error.explained(self.amplification))?;
-            self.predictor.accept(time, duration, &system.produced());
+        let guess = self.memory.predictor.predict(time, duration);
+        let Some(accelerator) = &mut self.memory.accelerator else {
+            let pass =
+                system.pass(time, duration, &guess).map_err(|error| error.explained(self.memory.amplification))?;
+            self.memory.predictor.accept(time, duration, &system.produced());
             self.watch_amplification(system, time)?;
             return Ok(Failure::check(pass).map(|()| 1));
         };
@@ -202,14 +223,14 @@ impl Stepper {
             let row = IterationRow { time, duration, iteration, converged, residuals };
             record(&row);
             if converged {
-                if let Some(accelerator) = &mut self.accelerator {
+                if let Some(accelerator) = &mut self.memory.accelerator {
                     accelerator.accept(&guess, &produced);
                 }
-                self.predictor.accept(time, duration, &produced);
+                self.memory.predictor.accept(time, duration, &produced);
                 return Ok(Ok(iteration));
             }
             self.supply_jacobian(system, time, &guess, &produced)?;
-            let Some(accelerator) = &mut self.accelerator else { return Ok(Ok(iteration)) };
+            let Some(accelerator) = &mut self.memory.accelerator else { return Ok(Ok(iteration)) };
             let stalled = accelerator.is_quasi_newton() && stall.update(iteration, &row.residuals);
             if stalled || iteration >= self.maximum_iterations {
                 return Ok(Err(Failure::NotConverged { iterations: iteration, residuals: row.residuals }));
@@ -225,15 +246,15 @@ impl Stepper {
     /// Gives Newton's method the Jacobian of the pass that was just made. A Jacobian that foretells wrongly is not used:
     /// `iqn_ils` takes over.
     fn supply_jacobian(&mut self, system: &mut System, time: f64, used: &[f64], produced: &[f64]) -> Result<(), Error> {
-        let Some(Accelerator::Newton(newton)) = &mut self.accelerator else { return Ok(()) };
+        let Some(Accelerator::Newton(newton)) = &mut self.memory.accelerator else { return Ok(()) };
         if let Some(missed) = newton.missed(used, produced) {
             self.warnings.push(format!(
                 "at t = {time} s the directional derivatives missed {:.0} % of the first change of the exchanged \
                  quantities, expected at most 20 %; iqn_ils takes over from newton",
                 100.0 * missed
             ));
-            self.method = Method::IqnIls;
-            self.accelerator = Some(Accelerator::IqnIls(IqnIls::new(self.relaxation, self.reused_steps)));
+            self.memory.method = Method::IqnIls;
+            self.memory.accelerator = Some(Accelerator::IqnIls(IqnIls::new(self.relaxation, self.reused_steps)));
         } else if newton.needs_jacobian() {
             newton.set_jacobian(system.jacobian()?);
         }
@@ -247,10 +268,10 @@ impl Stepper {
         }
         let eigenvalues = system.jacobian()?.complex_eigenvalues();
         let radius = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
-        if radius > 1.0 && self.amplification <= 1.0 {
+        if radius > 1.0 && self.memory.amplification <= 1.0 {
             self.warnings.push(format!("at t = {time} s {}", amplified(radius)));
         }
-        self.amplification = self.amplification.max(radius);
+        self.memory.amplification = self.memory.amplification.max(radius);
         Ok(())
     }
 }

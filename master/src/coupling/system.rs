@@ -221,6 +221,25 @@ impl System {
         self.participants().try_for_each(|participant| participant.restore(START_OF_STEP)).map_err(Error::from)
     }
 
+    /// Whether all participants can write their states as bytes.
+    pub fn serialises(&self) -> bool {
+        self.descriptions().all(|(_, description)| description.serialises_states)
+    }
+
+    /// The states of all participants as bytes.
+    pub fn serialise(&mut self) -> Result<Vec<Vec<u8>>, Error> {
+        self.participants().map(|participant| participant.serialise().map_err(Error::from)).collect()
+    }
+
+    /// Puts all participants, initialised and in the same order, into states that were serialised.
+    pub fn deserialise(&mut self, states: &[Vec<u8>]) -> Result<(), Error> {
+        for (node, bytes) in self.nodes.iter_mut().zip(states) {
+            node.participant.deserialise(bytes)?;
+            node.read()?;
+        }
+        Ok(())
+    }
+
     /// Frees all saved states and ends the participants; the first failure is reported after all were tried.
     pub fn terminate(&mut self) -> Result<(), Error> {
         let mut first = Ok(());

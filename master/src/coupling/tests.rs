@@ -34,7 +34,13 @@ impl Toy {
         let variables = ins.chain(outputs.iter().enumerate().map(variable(Causality::Output, 100))).collect();
         Box::new(Self {
             name: name.to_string(),
-            description: Description { variables, saves_states: true, variable_step: true, derivatives: false },
+            description: Description {
+                variables,
+                saves_states: true,
+                serialises_states: true,
+                variable_step: true,
+                derivatives: false,
+            },
             state,
             saved: None,
             inputs: vec![0.0; inputs.len()],
@@ -87,6 +93,15 @@ impl Participant for Toy {
     }
     fn restore(&mut self, _: usize) -> Result<(), participant::Error> {
         self.state = self.saved.clone().expect("saved before");
+        Ok(())
+    }
+    fn serialise(&mut self) -> Result<Vec<u8>, participant::Error> {
+        Ok(self.state.iter().chain(&self.outputs).flat_map(|value| value.to_le_bytes()).collect())
+    }
+    fn deserialise(&mut self, bytes: &[u8]) -> Result<(), participant::Error> {
+        let values: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        let (state, outputs) = values.split_at(self.state.len());
+        (self.state, self.outputs) = (state.to_vec(), outputs.to_vec());
         Ok(())
     }
     fn release(&mut self) -> Result<(), participant::Error> {

@@ -1,8 +1,10 @@
 //! Weights that make quantities of different units comparable in one least-squares problem.
 
+use serde::{Deserialize, Serialize};
+
 /// Residual sums as in preCICE: each quantity is divided by the sum of its shares of the residuals of this step,
 /// so that a quantity in large units does not drown the others.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ResidualSums {
     sums: Vec<f64>,
 }

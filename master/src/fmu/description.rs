@@ -34,6 +34,8 @@ struct CoSimulation {
     identifier: String,
     #[serde(rename = "@canGetAndSetFMUstate", default)]
     saves_states: bool,
+    #[serde(rename = "@canSerializeFMUstate", default)]
+    serialises_states: bool,
     #[serde(rename = "@canHandleVariableCommunicationStepSize", default)]
     variable_step: bool,
     #[serde(rename = "@providesDirectionalDerivative", default)]
@@ -104,6 +106,7 @@ impl Model {
             description: Description {
                 variables,
                 saves_states: co_simulation.saves_states,
+                serialises_states: co_simulation.saves_states && co_simulation.serialises_states,
                 variable_step: co_simulation.variable_step,
                 derivatives: co_simulation.derivatives,
             },

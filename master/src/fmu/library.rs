@@ -23,6 +23,7 @@ pub struct Library {
     pub(super) set_string: ffi::SetString,
     pub(super) do_step: ffi::DoStep,
     pub(super) states: Option<StateFunctions>,
+    pub(super) bytes: Option<ByteFunctions>,
     pub(super) derivative: Option<ffi::GetDirectionalDerivative>,
     _library: libloading::Library,
 }
@@ -35,6 +36,14 @@ pub(super) struct StateFunctions {
     pub free: ffi::FreeFmuState,
 }
 
+/// Functions that only FMUs with canSerializeFMUstate need to have.
+#[derive(Clone, Copy)]
+pub(super) struct ByteFunctions {
+    pub size: ffi::SerializedFmuStateSize,
+    pub serialise: ffi::SerializeFmuState,
+    pub deserialise: ffi::DeSerializeFmuState,
+}
+
 impl Library {
     /// Loads the binary of this platform and resolves the functions that the description promises.
     pub fn load(archive: &Archive, identifier: &str, description: &Description) -> Result<Self, Error> {
@@ -45,6 +54,7 @@ impl Library {
         let loader = Loader { library: &library, path: &archive.path };
         loader.check_version()?;
         let states = if description.saves_states { Some(loader.states()?) } else { None };
+        let bytes = if description.serialises_states { Some(loader.bytes()?) } else { None };
         let derivative =
             if description.derivatives { Some(loader.function("fmi2GetDirectionalDerivative")?) } else { None };
         Ok(Self {
@@ -64,6 +74,7 @@ impl Library {
             set_string: loader.function("fmi2SetString")?,
             do_step: loader.function("fmi2DoStep")?,
             states,
+            bytes,
             derivative,
             _library: library,
         })
@@ -92,6 +103,14 @@ impl Loader<'_> {
             get: self.function("fmi2GetFMUstate")?,
             set: self.function("fmi2SetFMUstate")?,
             free: self.function("fmi2FreeFMUstate")?,
+        })
+    }
+
+    fn bytes(&self) -> Result<ByteFunctions, Error> {
+        Ok(ByteFunctions {
+            size: self.function("fmi2SerializedFMUstateSize")?,
+            serialise: self.function("fmi2SerializeFMUstate")?,
+            deserialise: self.function("fmi2DeSerializeFMUstate")?,
         })
     }
 

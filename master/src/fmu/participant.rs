@@ -1,7 +1,7 @@
 //! An FMU as a participant.
 
 use super::abi;
-use super::library::StateFunctions;
+use super::library::{ByteFunctions, StateFunctions};
 use super::logger::Environment;
 use super::{Archive, Error as FmuError, Library, Model};
 use crate::log::Log;
@@ -15,6 +15,9 @@ use std::rc::Rc;
 /// The C type of the getters and setters of one type.
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> Status;
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> Status;
+
+/// State slot through which states go to and from bytes.
+const AS_BYTES: usize = 1;
 
 /// One instance of an FMU. Dropping it frees its states and the instance, then unloads the library.
 pub struct FmuParticipant {
@@ -89,6 +92,14 @@ impl FmuParticipant {
             participant: self.environment.participant.clone(),
             capability: "canGetAndSetFMUstate".to_string(),
             hint: "; use the coupling method 'explicit'".to_string(),
+        })
+    }
+
+    fn byte_functions(&self) -> Result<ByteFunctions, Error> {
+        self.library.bytes.ok_or_else(|| Error::Unsupported {
+            participant: self.environment.participant.clone(),
+            capability: "canSerializeFMUstate".to_string(),
+            hint: "; the run cannot be resumed".to_string(),
         })
     }
 
@@ -238,6 +249,30 @@ impl Participant for FmuParticipant {
         // SAFETY: the handle was given by this instance and not freed.
         let status = unsafe { (functions.set)(self.component, handle) };
         self.check(|| "fmi2SetFMUstate".to_string(), status)
+    }
+
+    fn serialise(&mut self) -> Result<Vec<u8>, Error> {
+        let functions = self.byte_functions()?;
+        self.save(AS_BYTES)?;
+        let (handle, mut size) = (self.states[AS_BYTES], 0);
+        // SAFETY: the handle was just given by this instance.
+        let status = unsafe { (functions.size)(self.component, handle, &raw mut size) };
+        self.check(|| "fmi2SerializedFMUstateSize".to_string(), status)?;
+        let mut bytes = vec![0_u8; size];
+        // SAFETY: as above; the buffer has the size that the FMU asked for.
+        let status = unsafe { (functions.serialise)(self.component, handle, bytes.as_mut_ptr().cast(), size) };
+        self.check(|| format!("fmi2SerializeFMUstate of {size} bytes"), status)?;
+        Ok(bytes)
+    }
+
+    fn deserialise(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let functions = self.byte_functions()?;
+        self.states.resize(self.states.len().max(AS_BYTES + 1), null_mut());
+        let handle = &raw mut self.states[AS_BYTES];
+        // SAFETY: the buffer has the size given; the handle is NULL or one of this instance.
+        let status = unsafe { (functions.deserialise)(self.component, bytes.as_ptr().cast(), bytes.len(), handle) };
+        self.check(|| format!("fmi2DeSerializeFMUstate of {} bytes", bytes.len()), status)?;
+        self.restore(AS_BYTES)
     }
 
     fn release(&mut self) -> Result<(), Error> {

@@ -13,7 +13,7 @@ use thiserror::Error;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-pub use places::{files_with, library, program_folder, scene_files, scenes_folder};
+pub use places::{files_with, fmus_folder, library, program_folder, scene_files, scenes_folder};
 
 const LICENCES: [(&str, &str); 2] = [
     ("LICENSE-APACHE.txt", include_str!("../../../LICENSE-APACHE")),

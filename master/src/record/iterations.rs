@@ -2,12 +2,13 @@
 
 use super::Error;
 use crate::coupling::{IterationRow, Residual, StepReport};
+use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Counts over a run.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct IterationCounts {
     /// Accepted steps.
     pub steps: u64,
@@ -53,6 +54,17 @@ impl IterationWriter {
         writer.line(&format!("time [s],duration [s],iteration,converged{columns}"));
         writer.check()?;
         Ok(writer)
+    }
+
+    /// Goes on with a table after its first `mark` bytes.
+    pub fn resume(path: &Path, mark: u64) -> Result<Self, Error> {
+        let file = BufWriter::new(super::reopen(path, mark)?);
+        Ok(Self { path: path.to_path_buf(), file, failure: None })
+    }
+
+    /// Bytes of the table, after [`IterationWriter::check`].
+    pub fn mark(&self) -> Result<u64, Error> {
+        super::length(self.file.get_ref(), &self.path)
     }
 
     /// Writes one row; a failure is kept for [`IterationWriter::check`].

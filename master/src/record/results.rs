@@ -3,12 +3,21 @@
 use super::{Column, Error, Series};
 use crate::coupling::System;
 use crate::participant::{Causality, Kind, Variable};
+use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Prefix of variables that hold wall-clock times: they go to the summary, since they differ from run to run.
 pub const STAGE: &str = "stage.";
+
+/// How far a table of results was written.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ResultMark {
+    bytes: u64,
+    /// Number of the next row that is due.
+    next: u64,
+}
 
 /// Reads the outputs of a system, writes them and keeps them.
 pub struct ResultWriter {
@@ -26,6 +35,37 @@ impl ResultWriter {
     /// every `interval` seconds; 0 records every communication step.
     pub fn create(path: &Path, system: &System, exclude: &[String], interval: f64) -> Result<Self, Error> {
         let file = File::create(path).map_err(|error| Error::new(path, error))?;
+        let mut writer = Self::over(file, path, system, exclude, interval);
+        writer.header()?;
+        Ok(writer)
+    }
+
+    /// Goes on with a table after its first `mark` bytes, which must be whole rows.
+    pub fn resume(
+        path: &Path,
+        system: &System,
+        exclude: &[String],
+        interval: f64,
+        mark: ResultMark,
+    ) -> Result<Self, Error> {
+        let file = super::reopen(path, mark.bytes)?;
+        let mut writer = Self::over(file, path, system, exclude, interval);
+        let written = Series::read(path)?;
+        for (row, &time) in written.times.iter().enumerate() {
+            let values: Vec<f64> = written.columns.iter().map(|column| column.values[row]).collect();
+            writer.series.push(time, &values);
+        }
+        writer.next = mark.next;
+        Ok(writer)
+    }
+
+    /// Where the table stands; all rows are on their way to the disk.
+    pub fn mark(&self) -> Result<ResultMark, Error> {
+        let bytes = super::length(self.file.get_ref(), &self.path)?;
+        Ok(ResultMark { bytes, next: self.next })
+    }
+
+    fn over(file: File, path: &Path, system: &System, exclude: &[String], interval: f64) -> Self {
         let mut variables = Vec::new();
         let mut columns = Vec::new();
         for (participant, description) in system.descriptions() {
@@ -44,9 +84,7 @@ impl ResultWriter {
         }
         let series = Series { times: Vec::new(), columns };
         let file = BufWriter::new(file);
-        let mut writer = Self { path: path.to_path_buf(), file, variables, interval, next: 0, series };
-        writer.header()?;
-        Ok(writer)
+        Self { path: path.to_path_buf(), file, variables, interval, next: 0, series }
     }
 
     fn header(&mut self) -> Result<(), Error> {

@@ -9,6 +9,7 @@ pub mod html;
 mod log_chart;
 mod movie;
 mod page;
+mod set_up;
 mod text;
 
 pub use canvas::{Error, prepare_font};
@@ -20,4 +21,5 @@ pub use frames::{Fields, FrameEntry, frames};
 pub use log_chart::LogChart;
 pub use movie::{Window, movie};
 pub use page::run_page;
+pub use set_up::SetUp;
 pub use text::{Short, markdown};

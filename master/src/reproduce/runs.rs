@@ -3,10 +3,11 @@
 use super::{
     CabinArguments, Common, Done, Model, PaperArguments, Reproduce, StudyArguments, cabin, notes, page, plate, study,
 };
-use crate::command::{RunArguments, execute};
+use crate::command::run::{RunArguments, execute};
 use crate::record::{Series, Status, Summary};
 use crate::report::html::{self, Failure};
 use crate::report::{Band, prepare_font};
+use crate::tell;
 use maud::html;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -129,12 +130,18 @@ fn once(
     if interrupted.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    eprintln!("{}", out.display());
-    let arguments =
-        RunArguments { target: scene.to_string(), set, out: Some(out), threads: common.threads, quiet: false };
+    tell!("{}", out.display());
+    let arguments = RunArguments {
+        target: scene.to_string(),
+        set,
+        out: Some(out),
+        threads: common.threads,
+        resume: common.keep,
+        ..RunArguments::default()
+    };
     let (summary, outcome, folder) = execute(&arguments, interrupted)?;
     if let Some(error) = &summary.error {
-        eprintln!("error: {}: {error}", folder.display());
+        tell!("error: {}: {error}", folder.display());
     }
     Ok(Some(Done { folder, summary, series: outcome.series }))
 }

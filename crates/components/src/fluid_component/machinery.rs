@@ -46,6 +46,12 @@ impl Machinery {
         Arc::ptr_eq(&self.scene, scene) || self.scene == *scene
     }
 
+    /// Takes up the frames of an earlier process that a state at `time` follows.
+    pub(super) fn resume(&mut self, time: f64) -> Result<(), Failure> {
+        let Some(series) = &mut self.series else { return Ok(()) };
+        series.resume(time).map_err(|error| Failure::broken(error.to_string()))
+    }
+
     /// Writes the frame that is due at the start of a step; adds the seconds that it took.
     pub(super) fn write_due(&mut self, state: &fluid::State, time: f64, seconds: &mut f64) -> Result<(), Failure> {
         let number = self.series.as_ref().and_then(|series| series.due(time));

@@ -6,6 +6,7 @@ pub mod page;
 
 use super::machine::{self, Circumstances};
 use crate::record;
+use crate::tell;
 use cases::{Case, FEATURES, FLOWS, Feature, SIZES};
 use measure::{Run, Timing};
 use std::error::Error;
@@ -107,7 +108,7 @@ pub fn speed(arguments: &SpeedArguments, scenes: &Path, interrupted: &AtomicBool
         let timing = time(case, threads, arguments.repeats, scenes)?;
         let known = before.iter().find(|(name, number, _)| name == case.name && *number == threads);
         let row = Row { name: case.name.to_string(), threads, timing, before: known.map(|(_, _, total)| *total) };
-        eprintln!("{}, {threads} threads: {:.0} ns per particle-step", row.name, row.total());
+        tell!("{}, {threads} threads: {:.0} ns per particle-step", row.name, row.total());
         record.rows.push(row);
     }
     if !arguments.smoke && !interrupted.load(Ordering::Relaxed) {
@@ -145,6 +146,6 @@ fn cost(feature: Feature, repeats: u32, scenes: &Path) -> Result<FeatureCost, Bo
             *least = least.min(timing.per_particle_step(timing.wall));
         }
     }
-    eprintln!("{}: {:.0} ns with, {:.0} ns without", feature.name, cost.with, cost.without);
+    tell!("{}: {:.0} ns with, {:.0} ns without", feature.name, cost.with, cost.without);
     Ok(cost)
 }

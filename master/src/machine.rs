@@ -20,7 +20,12 @@ pub struct Circumstances {
 impl Circumstances {
     /// As they are now; the commit is that of the working directory.
     pub fn now() -> Self {
-        Self { date: date(), machine: machine(), commit: commit().unwrap_or_default(), command: command() }
+        Self { commit: commit().unwrap_or_default(), ..Self::here() }
+    }
+
+    /// The same without a commit: an installed program belongs to no working copy.
+    pub fn here() -> Self {
+        Self { date: date(), machine: machine(), commit: String::new(), command: command() }
     }
 }
 

@@ -1,0 +1,94 @@
+//! `plimsoll check`: what a scene is and what its run will take, before it runs.
+
+use super::Failure;
+use crate::answer;
+use crate::case::Case;
+use crate::report::{self, SetUp};
+use crate::target::Target;
+use scene::Scene;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Memory of a run by particle, as measured (docs/benchmarks).
+const BYTES_PER_PARTICLE: usize = 950;
+/// Processor time of a particle in an internal step \[s\], and what each coordinate of a structure that answers adds
+/// (docs/benchmarks; docs/validation).
+const STEP_SECONDS: f64 = 0.9e-6;
+const COORDINATE_SECONDS: f64 = 0.3e-6;
+/// Speed-up by each thread beyond the first.
+const THREAD_SHARE: f64 = 0.8;
+/// Share of the stable step that a run takes.
+const STEP_SHARE: f64 = 0.8;
+
+/// What to check.
+#[derive(Debug, clap::Args)]
+pub(super) struct CheckArguments {
+    /// Name of a scene, or path of a scene or case file.
+    target: String,
+    /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
+    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    set: Vec<String>,
+    /// Picture of the set-up, PNG with an SVG beside it [default: results/NAME/set-up.png].
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+}
+
+pub(super) fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
+    let target = Target::find(&arguments.target)?.changed(&arguments.set);
+    let (path, overrides) = (target.path.display(), target.overrides()?);
+    if target.is_case() {
+        let text = toml::to_string(&Case::from_file(&target.path, &overrides)?)?;
+        answer!("# {path}: valid; every number, defaults included:\n{text}");
+        return Ok(ExitCode::SUCCESS);
+    }
+    let scene = Scene::from_file_with(&target.path, &overrides)?;
+    let particles = components::fluid_set_up(&scene)?;
+    let (coordinates, structure) = components::structure_set_up(&scene)?;
+    let memory = (particles.len() * BYTES_PER_PARTICLE).div_ceil(1_000_000);
+    let count = particles.len();
+    answer!("# {path}: valid; {count} particles (about {memory} MB), {coordinates} coordinates of the structure;");
+    if !particles.is_empty() {
+        let (steps, seconds) = estimate(&scene, &particles, coordinates);
+        answer!("# about {steps:.0} steps and {} on this machine, give or take a factor of two;", duration(seconds));
+    }
+    let stem = arguments.picture.clone().unwrap_or_else(|| Path::new("results").join(&target.name).join("set-up.png"));
+    if let Some(folder) = stem.parent() {
+        std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    }
+    report::prepare_font();
+    let picture =
+        SetUp { scene: &scene, particles: &particles, structure: &structure }.draw(&stem.with_extension(""))?;
+    answer!("# drawn in {};", picture.display());
+    answer!("# every number, defaults included:\n{}", toml::to_string(&scene)?);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Steps and wall-clock seconds of a run: particles are taken to move as fast as water that falls from the highest to the
+/// lowest.
+fn estimate(scene: &Scene, particles: &[[f32; 2]], coordinates: usize) -> (f64, f64) {
+    let Some(fluid) = &scene.fluid else { return (0.0, 0.0) };
+    let heights = particles.iter().map(|place| f64::from(place[1]));
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+    let gravity = scene.gravity[0].hypot(scene.gravity[1]);
+    let start = fluid.start.velocity[0].hypot(fluid.start.velocity[1]);
+    let speed = (2.0 * gravity * (high - low)).sqrt().max(start).max(f64::MIN_POSITIVE);
+    let courant = match fluid.scheme {
+        scene::Scheme::Accurate => fluid.accurate.courant,
+        scene::Scheme::Paper => fluid.paper.courant,
+    };
+    let stable = STEP_SHARE * courant * fluid.spacing / speed;
+    let steps = scene.run.end / stable.min(scene.run.communication_step);
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = if fluid.threads == 0 { processors } else { fluid.threads.min(processors) };
+    let cost = STEP_SECONDS + coordinates as f64 * COORDINATE_SECONDS;
+    (steps, steps * particles.len() as f64 * cost / (1.0 + THREAD_SHARE * (threads as f64 - 1.0)))
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        ..10.0 => format!("{seconds:.1} s"),
+        ..120.0 => format!("{seconds:.0} s"),
+        ..7200.0 => format!("{:.0} min", seconds / 60.0),
+        _ => format!("{:.0} h", seconds / 3600.0),
+    }
+}

@@ -1,0 +1,167 @@
+//! `plimsoll run`: a scene, a case, or an earlier run again.
+
+use super::{Failure, INTERRUPTED, watch_for_interruption};
+use crate::case::Case;
+use crate::fmu::FmuParticipant;
+use crate::job::{Facts, Job};
+use crate::log::Log;
+use crate::pack;
+use crate::participant::Participant;
+use crate::progress::{Progress, Style};
+use crate::record::{Recipe, Status, Summary};
+use crate::report::Short;
+use crate::run::Outcome;
+use crate::scene_case::{self, Places};
+use crate::target::Target;
+use crate::{answer, tell};
+use scene::Scene;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+
+/// What to run and where its results go.
+#[derive(Debug, Default, clap::Args)]
+pub(crate) struct RunArguments {
+    /// Name of a scene, path of a scene or case file, or folder of an earlier run, to repeat it.
+    #[arg(value_name = "SCENE-OR-CASE")]
+    pub(crate) target: String,
+    /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
+    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Folder for the results [default: results/NAME].
+    #[arg(long)]
+    pub(crate) out: Option<PathBuf>,
+    /// Threads of the fluid; 0 takes all processors [default: as the scene says].
+    #[arg(long)]
+    pub(crate) threads: Option<usize>,
+    /// Go on from the checkpoint in the folder for the results, if there is one, with the same bits as without the stop.
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// What is said on standard error.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) log: Style,
+    /// Print nothing but warnings and errors: --log quiet, and no figures.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+    /// Write results.parquet beside results.csv.
+    #[arg(long)]
+    pub(crate) parquet: bool,
+}
+
+impl RunArguments {
+    fn style(&self) -> Style {
+        if self.quiet { Style::Quiet } else { self.log }
+    }
+}
+
+pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    let interrupted = watch_for_interruption(arguments.style())?;
+    let (summary, _, folder) = execute(arguments, &interrupted)?;
+    Ok(conclude(&summary, &folder, arguments))
+}
+
+/// Runs a scene or a case and writes everything about it into the folder that is returned.
+pub(crate) fn execute(
+    arguments: &RunArguments,
+    interrupted: &AtomicBool,
+) -> Result<(Summary, Outcome, PathBuf), Failure> {
+    let target = Target::find(&arguments.target)?.changed(&arguments.set);
+    let folder = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(&target.name));
+    let job =
+        if target.is_case() { case_job(&target, folder, arguments)? } else { scene_job(&target, folder, arguments)? };
+    let checkpoint = job.prepare_folder(arguments.resume)?;
+    if checkpoint.is_none() {
+        let recipe = Recipe::new(&job.name, &target.set, arguments.threads, &target.references, &job.case);
+        recipe.write(&job.folder, &target.text)?;
+    }
+    let style = arguments.style();
+    let log = Log::to_file(&job.folder.join("log.txt"), style, checkpoint.is_some())?;
+    let participants = participants(&job.case, &log)?;
+    if style == Style::Bar {
+        tell!("{}: {} s", job.case.title, job.case.run.end);
+    }
+    let mut progress = Progress::new(job.case.start, job.case.run.end, style);
+    let (summary, outcome) = job.execute(participants, checkpoint, interrupted, &mut progress)?;
+    if arguments.parquet {
+        crate::record::write_parquet(&job.folder.join("results.parquet"), &outcome.series)?;
+    }
+    Ok((summary, outcome, job.folder))
+}
+
+fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Result<Job, Failure> {
+    let overrides = target.overrides()?;
+    let scene = Scene::from_file_with(&target.path, &overrides)?;
+    let modes = scene.modes().max(components::DEFAULT_MODES);
+    let fmus = pack::fmus_folder(modes);
+    for packed in pack::pack(&fmus, modes)? {
+        if packed.written && arguments.style() == Style::Bar {
+            tell!("packed {}", packed.path.display());
+        }
+    }
+    let places =
+        Places { scene: std::path::absolute(&target.path)?, fmus, frames: std::path::absolute(folder.join("frames"))? };
+    let case = scene_case::case(&scene, &overrides, arguments.threads, &places);
+    let inputs = format!("{}\n{}", toml::to_string(&case)?, target.text);
+    let (name, references) = (target.name.clone(), target.references.clone());
+    Ok(Job { name, case, folder, references, facts: Facts::of(&scene), inputs })
+}
+
+fn case_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Result<Job, Failure> {
+    if arguments.threads.is_some() {
+        return Err("--threads is for scenes; in a case set the parameter of the FMU, for example --set \
+                    fmu.0.parameters.threads=2"
+            .into());
+    }
+    let mut case = Case::from_file(&target.path, &target.overrides()?)?;
+    // A copy of the case in the results of an earlier run names FMUs relative to where the case was.
+    if target.path.parent() != Some(&target.references) {
+        let folder = target.path.parent().unwrap_or(Path::new(""));
+        for fmu in &mut case.fmu {
+            if let Ok(relative) = fmu.path.strip_prefix(folder) {
+                fmu.path = target.references.join(relative);
+            }
+        }
+    }
+    let inputs = toml::to_string(&case)?;
+    let (name, references) = (target.name.clone(), target.references.clone());
+    Ok(Job { name, case, folder, references, facts: Facts::default(), inputs })
+}
+
+fn participants(case: &Case, log: &Log) -> Result<Vec<Box<dyn Participant>>, Failure> {
+    let mut participants: Vec<Box<dyn Participant>> = Vec::new();
+    for fmu in &case.fmu {
+        participants.push(Box::new(FmuParticipant::load(&fmu.path, &fmu.name, log)?));
+    }
+    Ok(participants)
+}
+
+fn conclude(summary: &Summary, folder: &Path, arguments: &RunArguments) -> ExitCode {
+    let report = folder.join("report.html");
+    let (steps, wall, simulated) = (summary.steps, summary.wall_seconds, summary.simulated_seconds);
+    match (arguments.style(), &summary.error) {
+        (Style::Json, error) => tell!(
+            "{}",
+            json!({
+                "event": "end", "status": summary.status, "error": error, "steps": steps, "simulated_seconds": simulated,
+                "wall_seconds": wall, "checks": summary.checks, "report": report,
+            })
+        ),
+        (_, Some(error)) => tell!("error: {error}"),
+        (_, None) => {}
+    }
+    if arguments.style() == Style::Bar {
+        tell!("{simulated:.6} s simulated in {steps} steps, {wall:.1} s of wall-clock time");
+        for (name, check) in &summary.checks {
+            let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| Short(value).to_string());
+            let reference = check.reference.map_or_else(String::new, |value| format!(", reference {}", Short(value)));
+            answer!("{name}: {} {}{reference}", number(check.value), check.unit);
+        }
+        answer!("report: {}", report.display());
+    }
+    match summary.status {
+        Status::Complete => ExitCode::SUCCESS,
+        Status::Interrupted => ExitCode::from(INTERRUPTED),
+        Status::Failed => ExitCode::FAILURE,
+    }
+}

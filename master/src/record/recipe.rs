@@ -1,0 +1,82 @@
+//! What a run was made of, so that it can be repeated to the bit.
+
+use super::Error;
+use crate::case::Case;
+use crate::machine::Circumstances;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Name of the record in a run's folder.
+pub const RECIPE: &str = "run.json";
+/// Name of the copy of the scene or case file in a run's folder.
+const SCENE: &str = "scene.toml";
+
+/// Everything that decides the numbers of a run, and where it was done. Seeds are keys of the scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recipe {
+    /// Name of the scene or case.
+    pub name: String,
+    /// Changes of its values, `key.path=value`.
+    pub set: Vec<String>,
+    /// Threads of the fluid, where the command named them. The bits do not depend on it.
+    pub threads: Option<usize>,
+    /// Folder that reference files are relative to.
+    pub references: PathBuf,
+    /// Version of the program.
+    pub version: String,
+    /// CRC-32 of each FMU's file, by its name in the case.
+    pub fmus: BTreeMap<String, String>,
+    /// The command line.
+    pub command: String,
+    /// Date and time of day, UTC.
+    pub date: String,
+    /// Processor, processors, memory, operating system.
+    pub machine: String,
+}
+
+impl Recipe {
+    /// The recipe of a run that begins now.
+    pub fn new(name: &str, set: &[String], threads: Option<usize>, references: &Path, case: &Case) -> Self {
+        let Circumstances { date, machine, command, .. } = Circumstances::here();
+        let checksum = |path: &Path| match std::fs::read(path) {
+            Ok(bytes) => format!("{:08x}", crc32fast::hash(&bytes)),
+            Err(error) => error.to_string(),
+        };
+        Self {
+            name: name.to_string(),
+            set: set.to_vec(),
+            threads,
+            references: std::path::absolute(references).unwrap_or_else(|_| references.to_path_buf()),
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            fmus: case.fmu.iter().map(|fmu| (fmu.name.clone(), checksum(&fmu.path))).collect(),
+            command,
+            date,
+            machine,
+        }
+    }
+
+    /// Reads the recipe of the run in `folder`; none where no run left one.
+    pub fn read(folder: &Path) -> Result<Option<Self>, Error> {
+        let path = folder.join(RECIPE);
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let text = std::fs::read_to_string(&path).map_err(|error| Error::new(&path, error))?;
+        serde_json::from_str(&text).map(Some).map_err(|error| Error::new(&path, error))
+    }
+
+    /// Writes the recipe and the text of the scene or case into `folder`.
+    pub fn write(&self, folder: &Path, text: &str) -> Result<(), Error> {
+        let scene = Self::scene_in(folder);
+        std::fs::write(&scene, text).map_err(|error| Error::new(&scene, error))?;
+        let path = folder.join(RECIPE);
+        let json = serde_json::to_string_pretty(self).map_err(|error| Error::new(&path, error))?;
+        std::fs::write(&path, json + "\n").map_err(|error| Error::new(&path, error))
+    }
+
+    /// The copy of the scene or case file in a run's folder.
+    pub fn scene_in(folder: &Path) -> PathBuf {
+        folder.join(SCENE)
+    }
+}
