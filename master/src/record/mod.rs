@@ -4,11 +4,13 @@ mod iterations;
 mod results;
 mod series;
 mod summary;
+mod whole;
 
 pub use iterations::{IterationCounts, IterationWriter};
 pub use results::{ResultWriter, STAGE};
 pub use series::{Column, Series};
 pub use summary::{CheckResult, CouplingSummary, Status, Summary};
+pub use whole::write_whole;
 
 use std::path::Path;
 use thiserror::Error;

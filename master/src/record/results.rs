@@ -4,7 +4,7 @@ use super::{Column, Error, Series};
 use crate::coupling::System;
 use crate::participant::{Causality, Kind, Variable};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Prefix of variables that hold wall-clock times: they go to the summary, since they differ from run to run.
@@ -56,8 +56,7 @@ impl ResultWriter {
     }
 
     fn line(&mut self, line: &str) -> Result<(), Error> {
-        // Flushed row by row: an interrupted run leaves whole rows.
-        writeln!(self.file, "{line}").and_then(|()| self.file.flush()).map_err(|error| Error::new(&self.path, error))
+        write_row(self.file.get_mut(), line).map_err(|error| Error::new(&self.path, error))
     }
 
     /// Records the outputs at `time` \[s\] when a row is due or `force` is set.
@@ -79,6 +78,17 @@ impl ResultWriter {
     pub fn series(&self) -> &Series {
         &self.series
     }
+}
+
+/// Writes a row at once, past any buffer: an interrupted run leaves whole rows, and so does one that fills its disk.
+fn write_row(file: &mut File, row: &str) -> std::io::Result<()> {
+    let start = file.stream_position()?;
+    let written = file.write_all(format!("{row}\n").as_bytes());
+    if written.is_err() {
+        // Half a row would only trouble whoever reads the table of a failed run.
+        let _ = file.set_len(start).and_then(|()| file.seek(SeekFrom::Start(start)));
+    }
+    written
 }
 
 /// Shortest text that reads back as the same number.
