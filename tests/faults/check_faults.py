@@ -356,10 +356,11 @@ def installed_programs(bench):
     if enter is None:
         bench.skip(what, "no mounts")
     else:
-        out = bench.new("from-read-only")
-        done = bench.run(
-            "run", *TANK, *SHORT, "--out", out, program=program, before=[*enter, "sh", str(program.parent)]
-        )
+        out, temporary = bench.new("from-read-only"), bench.new("temporary")
+        temporary.mkdir()
+        environment = {**os.environ, "TMPDIR": str(temporary)}
+        before = [*enter, "sh", str(program.parent)]
+        done = bench.run("run", *TANK, *SHORT, "--out", out, program=program, before=before, env=environment)
         bench.check(what, good(done, out))
     alone = bench.folder / "alone" / "plimsoll"
     alone.parent.mkdir()
@@ -494,6 +495,63 @@ def signals(bench):
     bench.check("the next run into the same folder", good(done, out))
 
 
+def killed(bench, *arguments):
+    """The folder of a run that was killed after it wrote a checkpoint."""
+    out = bench.new("killed")
+    process = bench.start(out, *arguments)
+    until = time.monotonic() + PATIENCE
+    while not (out / "checkpoint.bin").is_file() and process.poll() is None and time.monotonic() < until:
+        time.sleep(0.01)
+    process.kill()
+    Ended(process)
+    return out
+
+
+def differing(one, other):
+    """Tables and lists of frames in which two runs differ."""
+    names = ["results.csv", "iterations.csv", "frames/particles.pvd"]
+    return [f"{name} differs" for name in names if lines_of(one / name) != lines_of(other / name)]
+
+
+def resumed_runs(bench):
+    if "--resume" not in bench.run("run", "--help").stdout:
+        bench.skip("runs go on after a kill", "the program writes no checkpoints")
+        return
+    tank = [*TANK, "--set", "run.end=6", "--set", "output.interval=0.1", "--set", "output.checkpoint_interval=0.02"]
+    whole, out = bench.new("whole"), killed(bench, *tank)
+    bench.run("run", *tank, "--quiet", "--out", whole)
+    kept = bench.new("kept")
+    shutil.copytree(out, kept)
+    done = bench.run("run", *tank, "--resume", "--quiet", "--out", out)
+    bench.check("a run goes on after a kill as if nothing had been", good(done, out) + differing(out, whole))
+
+    def refuse(what, name, change, *words, extra=()):
+        # In its own place: the folder is among what a run is made of.
+        shutil.rmtree(out)
+        shutil.copytree(kept, out)
+        change(out / name)
+        done = bench.run("run", *tank, *extra, "--resume", "--quiet", "--out", out)
+        bench.check(f"resumed with {what}", refused(done, out / name, *words))
+
+    def flip(path):
+        content = bytearray(path.read_bytes())
+        content[len(content) // 2] ^= 1
+        path.write_bytes(content)
+
+    refuse("a byte of the checkpoint flipped", "checkpoint.bin", flip, "damaged")
+    refuse("half a checkpoint", "checkpoint.bin", lambda path: os.truncate(path, path.stat().st_size // 2), "damaged")
+    refuse("an empty checkpoint", "checkpoint.bin", lambda path: os.truncate(path, 0), "no checkpoint")
+    refuse("half the results", "results.csv", lambda path: os.truncate(path, path.stat().st_size // 4), "bytes")
+    refuse("no results", "results.csv", Path.unlink, "No such file")
+    denser = ["--set", "fluid.density=1025"]
+    refuse("another density", "checkpoint.bin", lambda path: None, "other inputs", extra=denser)
+    taken = bench.new("taken")
+    (taken / "checkpoint.bin").mkdir(parents=True)
+    done = bench.run("run", *TANK, *SHORT, "--set", "output.checkpoint_interval=0.001", "--quiet", "--out", taken)
+    said = [] if "no checkpoint" in done.stderr else ["it is not said"]
+    bench.check("a run goes on when its checkpoint cannot be written", good(done, taken) + said)
+
+
 FAULTS = [
     full_disks,
     limited_files,
@@ -507,6 +565,7 @@ FAULTS = [
     temporary_folders,
     streams,
     signals,
+    resumed_runs,
 ]
 
 
