@@ -148,10 +148,10 @@ impl Job {
         let about = [("Source", self.facts.source.as_str()), ("What differs", self.facts.differs.as_str())];
         let text = report::markdown(summary, &about, &pictures.files, &self.folder);
         let path = self.folder.join("summary.md");
-        std::fs::write(&path, text).map_err(|error| record::Error::new(&path, error))?;
+        record::write_whole(&path, text)?;
         let path = self.folder.join("report.html");
         let page = report::run_page(summary, &about, &pictures, &outcome.warnings);
-        std::fs::write(&path, page).map_err(|error| record::Error::new(&path, error))
+        record::write_whole(&path, page)
     }
 }
 

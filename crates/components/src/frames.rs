@@ -112,7 +112,7 @@ impl Series {
         self.written.insert(number, time);
         let path = self.folder.join(format!("{}.pvd", self.field));
         let text = self.collection().map_err(|error| failed(&path, &error))?;
-        replace(&path, |temporary| std::fs::write(temporary, &text).map_err(|error| failed(temporary, &error)))
+        write_whole(&path, &text).map_err(|error| failed(&path, &error))
     }
 
     fn file_name(&self, number: u64) -> String {
@@ -167,11 +167,19 @@ fn failed(path: &Path, error: &dyn std::fmt::Display) -> Error {
     Error::Frame { path: path.display().to_string(), reason: error.to_string() }
 }
 
-/// Writes beside the file and renames, so that an interrupted run leaves whole files.
-fn replace(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
+/// Writes beside the file, with the extension `part`, and renames: whoever looks finds the whole file or none, also
+/// after the end of a run on a full disk.
+///
+/// # Errors
+/// A file that cannot be written; then nothing is left of it, and an earlier file of that name stays.
+pub fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
     let temporary = path.with_extension("part");
-    write(&temporary)?;
-    std::fs::rename(&temporary, path).map_err(|error| failed(path, &error))
+    let written = std::fs::write(&temporary, content).and_then(|()| std::fs::rename(&temporary, path));
+    if written.is_err() {
+        // The failure to tell is the first one.
+        let _ = std::fs::remove_file(&temporary);
+    }
+    written
 }
 
 /// Writes one frame as a .vtu file.
@@ -179,7 +187,10 @@ pub fn write_frame(path: &Path, frame: Frame) -> Result<(), Error> {
     let file = grid(frame)
         .try_into_xml_format(Compressor::ZLib, COMPRESSION)
         .map_err(|error| failed(path, &format!("{error:?}")))?;
-    replace(path, |temporary| file.export(temporary).map_err(|error| failed(path, &error)))
+    // Through memory: the library's export to a file drops its last buffer without looking whether it could be written.
+    let mut content = Vec::new();
+    file.write(&mut content).map_err(|error| failed(path, &error))?;
+    write_whole(path, &content).map_err(|error| failed(path, &error))
 }
 
 fn grid(frame: Frame) -> Vtk {
@@ -295,6 +306,16 @@ mod tests {
         assert_eq!(back.scalar("surface").unwrap()[..4], [1.0, 0.0, 0.0, 1.0]);
         let (components, velocity) = &back.fields["velocity"];
         assert_eq!((*components, &velocity[3..6]), (3, &[1.0, -1.0, 0.0][..]));
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let taken = folder.path().join("walls.vtu");
+        std::fs::create_dir(&taken).unwrap();
+        let message = write_frame(&taken, sample(3)).unwrap_err().to_string();
+        assert!(message.contains("walls.vtu"), "{message}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]

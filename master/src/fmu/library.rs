@@ -3,7 +3,10 @@
 use super::{Archive, Error};
 use crate::participant::Description;
 use fmi2::ffi;
+use object::{Object, ObjectSegment};
+use std::error::Error as _;
 use std::ffi::CStr;
+use std::path::Path;
 
 /// Loaded functions. The library stays loaded as long as this value lives.
 pub struct Library {
@@ -49,8 +52,9 @@ impl Library {
     pub fn load(archive: &Archive, identifier: &str, description: &Description) -> Result<Self, Error> {
         let binary = archive.binary(identifier)?;
         let refuse = |reason: String| Error::Library { path: archive.path.clone(), reason };
+        check_whole(&binary).map_err(|reason| refuse(format!("the shared library cannot be read: {reason}")))?;
         // SAFETY: loading runs the library's initialisers; the user chose to run this FMU.
-        let library = unsafe { libloading::Library::new(binary) }.map_err(|error| refuse(error.to_string()))?;
+        let library = unsafe { libloading::Library::new(binary) }.map_err(|error| refuse(with_cause(&error)))?;
         let loader = Loader { library: &library, path: &archive.path };
         loader.check_version()?;
         let states = if description.saves_states { Some(loader.states()?) } else { None };
@@ -79,6 +83,18 @@ impl Library {
             _library: library,
         })
     }
+}
+
+/// Whether all that a shared library promises to have is in the file: to load one that was cut off would end the process.
+fn check_whole(binary: &Path) -> Result<(), String> {
+    let content = std::fs::read(binary).map_err(|error| error.to_string())?;
+    let file = object::File::parse(&*content).map_err(|error| error.to_string())?;
+    file.segments().try_for_each(|segment| segment.data().map(|_| ())).map_err(|error| error.to_string())
+}
+
+/// What the system says is in the source of the loader's error, not in its text.
+fn with_cause(error: &libloading::Error) -> String {
+    error.source().map_or_else(|| error.to_string(), |cause| format!("{error}: {cause}"))
 }
 
 struct Loader<'a> {

@@ -159,8 +159,12 @@ fn write(path: &Path, content: &[u8]) -> Result<Packed, Error> {
     let written = std::fs::read(path).ok().as_deref() != Some(content);
     if written {
         let part = path.with_extension(format!("{}.part", std::process::id()));
-        std::fs::write(&part, content).map_err(|error| Error::file(&part, error))?;
-        std::fs::rename(&part, path).map_err(|error| Error::file(path, error))?;
+        let renamed = std::fs::write(&part, content).and_then(|()| std::fs::rename(&part, path));
+        renamed.map_err(|error| {
+            // The failure to tell is the first one.
+            let _ = std::fs::remove_file(&part);
+            Error::file(path, error)
+        })?;
     }
     Ok(Packed { path: path.to_path_buf(), written, size: content.len() })
 }

@@ -6,6 +6,7 @@ mod recipe;
 mod results;
 mod series;
 mod summary;
+mod whole;
 
 pub use iterations::{IterationCounts, IterationWriter};
 pub use parquet::write_parquet;
@@ -13,6 +14,7 @@ pub use recipe::{RECIPE, Recipe};
 pub use results::{ResultMark, ResultWriter, STAGE};
 pub use series::{Column, Series};
 pub use summary::{CheckResult, CouplingSummary, Status, Summary};
+pub use whole::write_whole;
 
 use std::fs::{File, OpenOptions};
 use std::io::{Seek, SeekFrom};

@@ -1,6 +1,6 @@
 //! What a run was made of, so that it can be repeated to the bit.
 
-use super::Error;
+use super::{Error, write_whole};
 use crate::case::Case;
 use crate::machine::Circumstances;
 use serde::{Deserialize, Serialize};
@@ -69,10 +69,10 @@ impl Recipe {
     /// Writes the recipe and the text of the scene or case into `folder`.
     pub fn write(&self, folder: &Path, text: &str) -> Result<(), Error> {
         let scene = Self::scene_in(folder);
-        std::fs::write(&scene, text).map_err(|error| Error::new(&scene, error))?;
+        write_whole(&scene, text)?;
         let path = folder.join(RECIPE);
         let json = serde_json::to_string_pretty(self).map_err(|error| Error::new(&path, error))?;
-        std::fs::write(&path, json + "\n").map_err(|error| Error::new(&path, error))
+        write_whole(&path, json + "\n")
     }
 
     /// The copy of the scene or case file in a run's folder.

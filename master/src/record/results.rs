@@ -5,7 +5,7 @@ use crate::coupling::System;
 use crate::participant::{Causality, Kind, Variable};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Prefix of variables that hold wall-clock times: they go to the summary, since they differ from run to run.
@@ -22,7 +22,7 @@ pub struct ResultMark {
 /// Reads the outputs of a system, writes them and keeps them.
 pub struct ResultWriter {
     path: PathBuf,
-    file: BufWriter<File>,
+    file: File,
     /// Recorded variables of each participant.
     variables: Vec<Vec<Variable>>,
     interval: f64,
@@ -61,7 +61,7 @@ impl ResultWriter {
 
     /// Where the table stands; all rows are on their way to the disk.
     pub fn mark(&self) -> Result<ResultMark, Error> {
-        let bytes = super::length(self.file.get_ref(), &self.path)?;
+        let bytes = super::length(&self.file, &self.path)?;
         Ok(ResultMark { bytes, next: self.next })
     }
 
@@ -83,7 +83,6 @@ impl ResultWriter {
             variables.push(chosen);
         }
         let series = Series { times: Vec::new(), columns };
-        let file = BufWriter::new(file);
         Self { path: path.to_path_buf(), file, variables, interval, next: 0, series }
     }
 
@@ -94,8 +93,7 @@ impl ResultWriter {
     }
 
     fn line(&mut self, line: &str) -> Result<(), Error> {
-        // Flushed row by row: an interrupted run leaves whole rows.
-        writeln!(self.file, "{line}").and_then(|()| self.file.flush()).map_err(|error| Error::new(&self.path, error))
+        write_row(&mut self.file, line).map_err(|error| Error::new(&self.path, error))
     }
 
     /// Records the outputs at `time` \[s\] when a row is due or `force` is set.
@@ -117,6 +115,17 @@ impl ResultWriter {
     pub fn series(&self) -> &Series {
         &self.series
     }
+}
+
+/// Writes a row at once, past any buffer: an interrupted run leaves whole rows, and so does one that fills its disk.
+fn write_row(file: &mut File, row: &str) -> std::io::Result<()> {
+    let start = file.stream_position()?;
+    let written = file.write_all(format!("{row}\n").as_bytes());
+    if written.is_err() {
+        // Half a row would only trouble whoever reads the table of a failed run.
+        let _ = file.set_len(start).and_then(|()| file.seek(SeekFrom::Start(start)));
+    }
+    written
 }
 
 /// Shortest text that reads back as the same number.

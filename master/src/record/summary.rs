@@ -1,6 +1,6 @@
 //! summary.json: what ran, how long it took, and the figures of its checks. Scripts rely on these keys.
 
-use super::Error;
+use super::{Error, write_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -101,6 +101,6 @@ impl Summary {
     /// Writes the summary as JSON.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let text = serde_json::to_string_pretty(self).map_err(|error| Error::new(path, error))?;
-        std::fs::write(path, text + "\n").map_err(|error| Error::new(path, error))
+        write_whole(path, text + "\n")
     }
 }

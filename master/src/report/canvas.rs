@@ -1,5 +1,6 @@
 //! A drawing as SVG and, rendered from that, as PNG. The font comes with the program: no system font is needed.
 
+use components::frames::write_whole;
 use plotters::style::{FontStyle, register_font};
 use resvg::{tiny_skia, usvg};
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ pub fn prepare_font() {
 /// Writes `stem.svg` and `stem.png`; gives the path of the PNG.
 pub(super) fn save(svg: &str, stem: &Path) -> Result<PathBuf, Error> {
     let path = stem.with_extension("svg");
-    std::fs::write(&path, svg).map_err(|error| Error::new(&path, error))?;
+    write_whole(&path, svg.as_bytes()).map_err(|error| Error::new(&path, error))?;
     let path = stem.with_extension("png");
     let mut options = usvg::Options { font_family: FAMILY.to_string(), ..usvg::Options::default() };
     let fonts = Arc::make_mut(&mut options.fontdb);
@@ -50,6 +51,7 @@ pub(super) fn save(svg: &str, stem: &Path) -> Result<PathBuf, Error> {
     let mut image = tiny_skia::Pixmap::new(width, height).ok_or_else(|| Error::new(&path, "the picture is empty"))?;
     image.fill(tiny_skia::Color::WHITE);
     resvg::render(&tree, tiny_skia::Transform::from_scale(SCALE, SCALE), &mut image.as_mut());
-    image.save_png(&path).map_err(|error| Error::new(&path, error))?;
+    let content = image.encode_png().map_err(|error| Error::new(&path, error))?;
+    write_whole(&path, &content).map_err(|error| Error::new(&path, error))?;
     Ok(path)
 }

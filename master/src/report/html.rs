@@ -2,7 +2,7 @@
 
 use super::chart::COLOURS;
 use super::{Band, Chart};
-use crate::record::Error;
+use crate::record::{Error, write_whole};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -99,6 +99,6 @@ pub fn picture(path: &Path, caption: &str) -> Result<Markup, Failure> {
 pub fn write(folder: &Path, text: &str) -> Result<PathBuf, Failure> {
     std::fs::create_dir_all(folder).map_err(|error| Error::new(folder, error))?;
     let path = folder.join("report.html");
-    std::fs::write(&path, text).map_err(|error| Error::new(&path, error))?;
+    write_whole(&path, text)?;
     Ok(path)
 }

@@ -2,6 +2,7 @@
 
 use super::field::{Panel, Quantity, View, colour, range_of, spacing};
 use super::{Error, Fields};
+use components::frames::write_whole;
 use plotters::style::RGBColor;
 use resvg::tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Stroke, Transform};
 use std::collections::HashMap;
@@ -43,8 +44,8 @@ pub fn movie(fields: &Fields, window: Option<Window>, path: &Path) -> Result<Opt
         Canvas { view, scale, size: (WIDTH as u32, height as u32), range, spacing: spacing(&few[0].particles) };
     let palette = Palette::new();
     let wrong = |error: png::EncodingError| Error::new(path, error);
-    let file = std::fs::File::create(path).map_err(|error| Error::new(path, error))?;
-    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), canvas.size.0, canvas.size.1);
+    let mut content = Vec::new();
+    let mut encoder = png::Encoder::new(&mut content, canvas.size.0, canvas.size.1);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_palette(palette.bytes.clone());
@@ -57,6 +58,7 @@ pub fn movie(fields: &Fields, window: Option<Window>, path: &Path) -> Result<Opt
         writer.write_image_data(&image).map_err(wrong)?;
     }
     writer.finish().map_err(wrong)?;
+    write_whole(path, &content).map_err(|error| Error::new(path, error))?;
     Ok(Some(path.to_path_buf()))
 }
 
