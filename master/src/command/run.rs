@@ -94,7 +94,7 @@ fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resu
     let scene = Scene::from_file_with(&target.path, &overrides)?;
     let modes = scene.modes().max(components::DEFAULT_MODES);
     let fmus = pack::fmus_folder(modes);
-    for packed in pack::pack(&fmus, modes)? {
+    for packed in pack::pack_for_run(&fmus, modes)? {
         if packed.written && arguments.style() == Style::Bar {
             tell!("packed {}", packed.path.display());
         }

@@ -77,15 +77,28 @@ pub fn modes_range() -> std::ops::RangeInclusive<usize> {
 
 /// Packs both FMUs with this number of modes into `folder`, where their content differs from what is there.
 pub fn pack(folder: &Path, modes: usize) -> Result<Vec<Packed>, Error> {
+    pack_with(folder, modes, &scene_files(&scenes_folder()?)?)
+}
+
+/// The same for a run, whose scene is a file: a program that is installed without its scenes packs none.
+pub fn pack_for_run(folder: &Path, modes: usize) -> Result<Vec<Packed>, Error> {
+    let scenes = scenes_folder().map_or_else(|_| Ok(Vec::new()), |scenes| scene_files(&scenes))?;
+    pack_with(folder, modes, &scenes)
+}
+
+fn pack_with(folder: &Path, modes: usize, scenes: &[(String, Vec<u8>)]) -> Result<Vec<Packed>, Error> {
     std::fs::create_dir_all(folder).map_err(|error| Error::file(folder, error))?;
-    archives(modes, Vec::new())?.iter().map(|(name, bytes)| write(&folder.join(name), bytes)).collect()
+    archives(modes, scenes, Vec::new())?.iter().map(|(name, bytes)| write(&folder.join(name), bytes)).collect()
 }
 
 /// Names and contents of both FMUs. `own` resources are packed besides the program's scenes, or in place of those with
 /// the same name.
-fn archives(modes: usize, own: Vec<(String, Vec<u8>)>) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    let packed = scene_files(&scenes_folder()?)?;
-    let mut scenes: Vec<_> = packed.into_iter().map(|(name, content)| (format!("scenes/{name}"), content)).collect();
+fn archives(
+    modes: usize,
+    scenes: &[(String, Vec<u8>)],
+    own: Vec<(String, Vec<u8>)>,
+) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let mut scenes: Vec<_> = scenes.iter().map(|(name, content)| (format!("scenes/{name}"), content.clone())).collect();
     scenes.retain(|(name, _)| own.iter().all(|(other, _)| other != name));
     scenes.extend(own);
     let fluid = FluidComponent::model(modes);

@@ -42,7 +42,7 @@ pub fn write_package(path: &Path, system: &System) -> Result<usize, Error> {
     let values = loose_values(system).map_err(|error| Error::file(path, error))?;
     let mut entries =
         vec![("SystemStructure.ssd".to_string(), description), (format!("resources/{}.ssv", system.name), values)];
-    let packed = archives(modes, own)?;
+    let packed = archives(modes, &super::scene_files(&super::scenes_folder()?)?, own)?;
     let used = |name: &str| system.case.fmu.iter().any(|fmu| format!("{}.fmu", fmu.name) == name);
     entries.extend(
         packed.into_iter().filter(|(name, _)| used(name)).map(|(name, bytes)| (format!("resources/{name}"), bytes)),
