@@ -1,5 +1,6 @@
 //! `plimsoll compare`: histories of several runs, and of reference tables, over each other.
 
+use crate::checks::interpolate;
 use crate::record::{Column, Error, Series};
 use crate::report::html::{self, Failure};
 use crate::report::{Chart, Curve, MOST_MARKERS, Short};
@@ -109,7 +110,8 @@ fn differences(sources: &[Source], names: &[String]) -> Markup {
         let mut all = columns(sources, name);
         let Some((first, reference)) = all.next() else { continue };
         for (source, column) in all {
-            let other = |time: f64| at(&source.series.times, &column.values, time);
+            let points: Vec<(f64, f64)> = source.series.points(column).collect();
+            let other = |time: f64| interpolate(&points, time);
             let pairs = first.series.points(reference).filter_map(|(time, value)| Some(other(time)? - value));
             let differences: Vec<f64> = pairs.collect();
             let count = differences.len().max(1) as f64;
@@ -123,29 +125,9 @@ fn differences(sources: &[Source], names: &[String]) -> Markup {
     html::table(&["variable", "table", "largest difference", "root mean square", "unit"], &rows)
 }
 
-/// Value at a time between two records; none outside.
-fn at(times: &[f64], values: &[f64], time: f64) -> Option<f64> {
-    let after = times.partition_point(|&it| it < time);
-    let right = *times.get(after)?;
-    if right == time || after == 0 {
-        return (right == time).then(|| values[after]);
-    }
-    let share = (time - times[after - 1]) / (right - times[after - 1]);
-    Some(values[after - 1] + share * (values[after] - values[after - 1]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn values_between_records_are_interpolated_and_none_lie_outside() {
-        let (times, values) = ([0.0, 1.0, 2.0], [0.0, 10.0, 40.0]);
-        assert_eq!(at(&times, &values, 1.5), Some(25.0));
-        assert_eq!(at(&times, &values, 2.0), Some(40.0));
-        assert_eq!(at(&times, &values, 0.0), Some(0.0));
-        assert_eq!((at(&times, &values, -0.1), at(&times, &values, 2.1)), (None, None));
-    }
 
     #[test]
     fn two_tables_become_a_page_with_their_differences() {

@@ -41,6 +41,9 @@ pub struct Frame {
     pub fields: Vec<Field>,
 }
 
+/// A straight line from start to end \[m\], in single precision.
+pub type Line = [[f32; 2]; 2];
+
 /// A place in single precision, as frames hold it.
 pub fn single(vector: &Vector2<f64>) -> [f32; 2] {
     [vector.x as f32, vector.y as f32]

@@ -2,7 +2,7 @@
 
 mod table;
 
-use crate::frames::{Field, Frame, Series, single};
+use crate::frames::{Field, Frame, Line, Series, single};
 use crate::interface::{COORDINATES, MotionValues, coordinate, mass_index};
 use crate::parameters::{HasSceneParameters, SceneParameters};
 use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion};
@@ -155,7 +155,7 @@ impl Machinery {
 ///
 /// # Errors
 /// What a run would refuse before its first step.
-pub fn structure_set_up(scene: &Scene) -> Result<(usize, Vec<[[f32; 2]; 2]>), Error> {
+pub fn structure_set_up(scene: &Scene) -> Result<(usize, Vec<Line>), Error> {
     let Some(structure) = &scene.structure else { return Ok((0, Vec::new())) };
     let machinery = Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, None)?;
     let frame = machinery.frame(&Motion::at_rest(machinery.body.modes()));

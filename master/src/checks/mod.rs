@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 pub use curves::{Reference, reference};
+pub(crate) use series::interpolate;
 
 /// What checks are computed from.
 pub struct Context<'a> {

@@ -2,6 +2,7 @@
 
 use super::canvas::{Error, FAMILY, save};
 use super::chart::tick;
+pub use components::frames::Line;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::path::{Path, PathBuf};
@@ -12,9 +13,6 @@ const WIDTH: f64 = 1100.0;
 const TITLE: f64 = 24.0;
 const BAR: f64 = 90.0;
 const LABELS: (f64, f64) = (48.0, 26.0);
-
-/// A straight line from start to end \[m\].
-pub type Line = [[f32; 2]; 2];
 
 /// One moment.
 #[derive(Debug, Clone, PartialEq, Default)]

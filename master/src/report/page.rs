@@ -1,7 +1,7 @@
 //! report.html of a run: everything about it in one page that opens without a network.
 
 use super::html;
-use super::text::{Short, facts, state};
+use super::text::{facts, number, stages, state, verdict};
 use super::{Pictures, figures::MOVIE};
 use crate::record::{CheckResult, Summary};
 use maud::{Markup, html};
@@ -22,7 +22,7 @@ pub fn run_page(summary: &Summary, about: &[(&str, &str)], pictures: &Pictures, 
         h2 { "Run" }
         (html::table(&["", ""], &rows(summary)))
         h2 { "Wall-clock time by stage" }
-        (stages(summary))
+        (html::table(&["stage", "seconds", "share"], &stages(summary).into_iter().map(Vec::from).collect::<Vec<_>>()))
     };
     html::interactive_page(title, &body)
 }
@@ -35,24 +35,10 @@ fn rows(summary: &Summary) -> Vec<Vec<String>> {
 }
 
 fn checks(summary: &Summary) -> Markup {
-    let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| Short(value).to_string());
-    let verdict = |check: &CheckResult| match (check.passed, &check.problem) {
-        (_, Some(problem)) => problem.clone(),
-        (Some(true), _) => "within the limit".to_string(),
-        (Some(false), _) => "outside the limit".to_string(),
-        (None, _) => String::new(),
-    };
     let row = |(name, check): (&String, &CheckResult)| {
-        let (value, reference) = (number(check.value), number(check.reference));
-        vec![
-            name.clone(),
-            value,
-            reference,
-            number(check.error),
-            check.unit.clone(),
-            verdict(check),
-            check.source.clone(),
-        ]
+        let [value, reference, error] = [check.value, check.reference, check.error].map(number);
+        let verdict = verdict(check).replace("**", "");
+        vec![name.clone(), value, reference, error, check.unit.clone(), verdict, check.source.clone()]
     };
     let rows: Vec<Vec<String>> = summary.checks.iter().map(row).collect();
     html::table(&["figure", "value", "reference", "error", "unit", "verdict", "source"], &rows)
@@ -72,14 +58,4 @@ fn images(pictures: &Pictures) -> Markup {
     };
     let images: Vec<Markup> = pictures.files.iter().filter_map(named).collect();
     html! { @if !images.is_empty() { h2 { "The field" } } @for image in images { (image) } }
-}
-
-fn stages(summary: &Summary) -> Markup {
-    let total: f64 = summary.stages.values().sum::<f64>().max(1e-12);
-    let mut stages: Vec<_> = summary.stages.iter().collect();
-    stages.sort_by(|a, b| b.1.total_cmp(a.1));
-    let row = |(stage, seconds): (&String, &f64)| {
-        vec![stage.clone(), format!("{seconds:.3}"), format!("{:.1} %", 100.0 * seconds / total)]
-    };
-    html::table(&["stage", "seconds", "share"], &stages.into_iter().map(row).collect::<Vec<_>>())
 }

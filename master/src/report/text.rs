@@ -19,11 +19,8 @@ pub fn markdown(summary: &Summary, about: &[(&str, &str)], pictures: &[PathBuf],
         summary.checks.iter().for_each(|(name, check)| text += &row(name, check));
     }
     text += "\n## Wall-clock time by stage\n\n| stage | seconds | share |\n|---|---|---|\n";
-    let total: f64 = summary.stages.values().sum::<f64>().max(1e-12);
-    let mut stages: Vec<_> = summary.stages.iter().collect();
-    stages.sort_by(|a, b| b.1.total_cmp(a.1));
-    for (stage, seconds) in stages {
-        text += &format!("| {stage} | {seconds:.3} | {:.1} % |\n", 100.0 * seconds / total);
+    for [stage, seconds, share] in stages(summary) {
+        text += &format!("| {stage} | {seconds} | {share} |\n");
     }
     if !pictures.is_empty() {
         text += "\n## Pictures\n\n";
@@ -61,9 +58,20 @@ pub(super) fn facts(summary: &Summary) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn row(name: &str, check: &CheckResult) -> String {
-    let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| format!("{}", Short(value)));
-    let verdict = match (check.passed, &check.problem) {
+/// Stages with their seconds and shares, the longest first.
+pub(super) fn stages(summary: &Summary) -> Vec<[String; 3]> {
+    let total: f64 = summary.stages.values().sum::<f64>().max(1e-12);
+    let mut stages: Vec<_> = summary.stages.iter().collect();
+    stages.sort_by(|a, b| b.1.total_cmp(a.1));
+    let row = |(stage, seconds): (&String, &f64)| {
+        [stage.clone(), format!("{seconds:.3}"), format!("{:.1} %", 100.0 * seconds / total)]
+    };
+    stages.into_iter().map(row).collect()
+}
+
+/// What came of a check, in words.
+pub(super) fn verdict(check: &CheckResult) -> String {
+    match (check.passed, &check.problem) {
         (_, Some(problem)) => problem.clone(),
         (Some(true), _) => "within the limit".to_string(),
         (Some(false), _) => "**outside the limit**".to_string(),
@@ -73,9 +81,17 @@ fn row(name: &str, check: &CheckResult) -> String {
             .map(|(name, value)| format!("{} {}", name.replace('_', " "), Short(*value)))
             .collect::<Vec<_>>()
             .join(", "),
-    };
-    let (value, reference, error) = (number(check.value), number(check.reference), number(check.error));
-    format!("| {name} | {value} | {reference} | {error} | {} | {verdict} |\n", check.unit)
+    }
+}
+
+/// A number, or a dash where there is none.
+pub(super) fn number(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_string(), |value| Short(value).to_string())
+}
+
+fn row(name: &str, check: &CheckResult) -> String {
+    let [value, reference, error] = [check.value, check.reference, check.error].map(number);
+    format!("| {name} | {value} | {reference} | {error} | {} | {} |\n", check.unit, verdict(check))
 }
 
 /// A number with four significant digits.
