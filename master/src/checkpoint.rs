@@ -53,7 +53,10 @@ impl Checkpoint {
             file.sync_all()?;
             std::fs::rename(&temporary, path)
         };
-        write().map_err(|error| wrong(&error))
+        write().map_err(|error| {
+            let _ = std::fs::remove_file(&temporary);
+            wrong(&error)
+        })
     }
 
     /// Reads a file and refuses one that is damaged, of another program, or of other inputs.

@@ -108,13 +108,18 @@ impl Job {
         let schedule = Schedule::new(&self.folder, self.case.output.checkpoint_interval, self.inputs.clone());
         let outcome = run::run(&self.case, participants, &self.folder, schedule, from, interrupted, progress)?;
         progress.finish();
+        let summary = self.summary(&outcome);
+        if let Err(error) = summary.write(&self.folder.join("summary.json")) {
+            // What ended the run matters more, and would be told by the summary only.
+            outcome.error.iter().for_each(|first| tell!("error: {first}"));
+            return Err(error.into());
+        }
+        self.report(&summary, &outcome)?;
+        // Last: when a full disk takes the summary or the page, the run need not be done again.
         let path = self.folder.join(checkpoint::FILE_NAME);
         if outcome.status == Status::Complete && path.is_file() {
             std::fs::remove_file(&path).map_err(|error| record::Error::new(&path, error))?;
         }
-        let summary = self.summary(&outcome);
-        summary.write(&self.folder.join("summary.json"))?;
-        self.report(&summary, &outcome)?;
         Ok((summary, outcome))
     }
 

@@ -105,7 +105,7 @@ fn commit() -> Option<String> {
 
 /// The command line, with the program's name instead of its path.
 fn command() -> String {
-    let arguments = std::env::args().skip(1);
+    let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
     std::iter::once("plimsoll".to_string()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 

@@ -65,7 +65,8 @@ fn a_killed_run_goes_on_with_the_same_bits() {
         let mut child = plimsoll(project, &arguments).stderr(Stdio::null()).spawn().unwrap();
         assert!(has_checkpoint(&mut child, &cut), "the run ended before it could be stopped");
         std::thread::sleep(Duration::from_millis(150));
-        Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+        // The shell's own kill: a minimal system has no other.
+        Command::new("sh").args(["-c", &format!("kill {signal} {}", child.id())]).status().unwrap();
         let code = child.wait().unwrap().code();
         assert_eq!(code, if signal == "-TERM" { Some(130) } else { None });
     }
@@ -87,7 +88,7 @@ fn other_inputs_are_refused_and_progress_is_json() {
     let arguments = [scene.to_str().unwrap(), "--resume", "--log", "json", "--out", out.to_str().unwrap()];
     let mut child = plimsoll(project, &arguments).stderr(Stdio::piped()).spawn().unwrap();
     assert!(has_checkpoint(&mut child, &out));
-    Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    Command::new("sh").args(["-c", &format!("kill -TERM {}", child.id())]).status().unwrap();
     let text = String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap();
     let lines: Vec<serde_json::Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!((&lines[0]["event"], &lines[0]["end"]), (&"start".into(), &0.2.into()));

@@ -93,14 +93,17 @@ fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resu
     let overrides = target.overrides()?;
     let scene = Scene::from_file_with(&target.path, &overrides)?;
     let modes = scene.modes().max(components::DEFAULT_MODES);
-    let fmus = pack::fmus_folder(modes);
+    let fmus = pack::fmus_folder(modes, &folder);
     for packed in pack::pack_for_run(&fmus, modes)? {
         if packed.written && arguments.style() == Style::Bar {
             tell!("packed {}", packed.path.display());
         }
     }
-    let places =
-        Places { scene: std::path::absolute(&target.path)?, fmus, frames: std::path::absolute(folder.join("frames"))? };
+    let frames = std::path::absolute(folder.join("frames"))?;
+    if frames.to_str().is_none() {
+        return Err(format!("{}: no UTF-8, which is all that an FMU takes for a path", frames.display()).into());
+    }
+    let places = Places { scene: std::path::absolute(&target.path)?, fmus, frames };
     let case = scene_case::case(&scene, &overrides, arguments.threads, &places);
     let inputs = format!("{}\n{}", toml::to_string(&case)?, target.text);
     let (name, references) = (target.name.clone(), target.references.clone());

@@ -24,13 +24,13 @@ pub fn program_folder() -> PathBuf {
     program.parent().map_or_else(PathBuf::new, Path::to_path_buf)
 }
 
-/// Where a run finds FMUs with this number of modes, or packs them: beside the program, or in the folder for temporary
-/// files where an installed program cannot write beside itself.
-pub fn fmus_folder(modes: usize) -> PathBuf {
+/// Where a run finds FMUs with this number of modes, or packs them: beside the program, or with its results where an
+/// installed program cannot write beside itself.
+pub fn fmus_folder(modes: usize, results: &Path) -> PathBuf {
     let name = format!("fmus-{modes}-modes");
     let beside = program_folder().join(&name);
     let writable = std::fs::create_dir_all(&beside).is_ok() && tempfile::tempfile_in(&beside).is_ok();
-    if writable { beside } else { std::env::temp_dir().join(format!("plimsoll-{}-{name}", env!("CARGO_PKG_VERSION"))) }
+    if writable { beside } else { results.join(name) }
 }
 
 /// The nearest folder `scenes` in or above the working directory, else in or above the program's folder.

@@ -1,24 +1,24 @@
 //! results.parquet: the columns of results.csv, with the same names, for tools that read tables by column.
 
-use super::{Error, Series};
+use super::{Error, Series, write_whole};
 use parquet::basic::{Compression, Repetition, Type as Physical};
 use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Writes all recorded variables: one column of doubles each, named `name [unit]`, times first.
 pub fn write_parquet(path: &Path, series: &Series) -> Result<(), Error> {
     let wrong = |reason: &dyn ToString| Error::new(path, reason.to_string());
-    let file = File::create(path).map_err(|error| wrong(&error))?;
-    write(file, series).map_err(|error| wrong(&error))
+    let mut content = Vec::new();
+    write(&mut content, series).map_err(|error| wrong(&error))?;
+    write_whole(path, content)
 }
 
-fn write(file: File, series: &Series) -> Result<(), ParquetError> {
+fn write(content: &mut Vec<u8>, series: &Series) -> Result<(), ParquetError> {
     let names = std::iter::once("time [s]".to_string()).chain(series.columns.iter().map(super::Column::header));
     let double = |name: String| {
         let field = Type::primitive_type_builder(&name, Physical::DOUBLE).with_repetition(Repetition::REQUIRED);
@@ -27,7 +27,7 @@ fn write(file: File, series: &Series) -> Result<(), ParquetError> {
     let fields = names.map(double).collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("results").with_fields(fields).build()?);
     let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-    let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties))?;
+    let mut writer = SerializedFileWriter::new(content, schema, Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
     let mut values = std::iter::once(&series.times).chain(series.columns.iter().map(|column| &column.values));
     while let (Some(mut column), Some(values)) = (group.next_column()?, values.next()) {
@@ -45,6 +45,7 @@ mod tests {
     use crate::record::Column;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::RowAccessor;
+    use std::fs::File;
 
     #[test]
     fn the_table_reads_back_exactly() {
