@@ -109,11 +109,13 @@ impl Job {
         let outcome = run::run(&self.case, participants, &self.folder, schedule, from, interrupted, progress)?;
         progress.finish();
         let summary = self.summary(&outcome);
-        if let Err(error) = summary.write(&self.folder.join("summary.json")) {
+        summary.write(&self.folder.join("summary.json")).map_err(|error| match &outcome.error {
             // What ended the run matters more, and would be told by the summary only.
-            outcome.error.iter().for_each(|first| tell!("error: {first}"));
-            return Err(error.into());
-        }
+            Some(first) => {
+                record::Error { reason: format!("{}; the run had ended before: {first}", error.reason), ..error }
+            }
+            None => error,
+        })?;
         self.report(&summary, &outcome)?;
         // Last: when a full disk takes the summary or the page, the run need not be done again.
         let path = self.folder.join(checkpoint::FILE_NAME);
