@@ -154,3 +154,27 @@ fn no_input_may_be_nan_and_no_step_negative() {
     assert_eq!(fluid.free(state), Status::OK);
     assert_eq!((fluid.step(0.0, 0.01), other.step(0.0, 0.01)), (Status::OK, Status::OK));
 }
+
+#[test]
+fn a_step_that_would_never_end_is_discarded() {
+    let library = Library::load("fluid_fmu").unwrap();
+    let fluid = tank(&library);
+    let state = fluid.save();
+    for step in [1e9, 1e300, f64::MAX] {
+        assert_eq!(fluid.step(0.0, step), Status::DISCARD);
+        says(&fluid, &["1e6 internal steps", "shorter communication step"]);
+        assert_eq!(fluid.restore(&state), Status::OK);
+    }
+    assert_eq!((fluid.free(state), fluid.step(0.0, 0.01)), (Status::OK, Status::OK));
+}
+
+/// The body is put where the importer says before the first step: not out of the domain.
+#[test]
+fn a_body_out_of_the_domain_at_the_start_is_refused() {
+    let library = Library::load("fluid_fmu").unwrap();
+    for place in [1e3, 1e300] {
+        let slave = slave::<FluidComponent>(&library, "dam_break_plate", "fluid.spacing=0.04");
+        assert_eq!(slave.set_reals(&[POSITION], &[place]), Status::OK);
+        refused(&slave, &["motion: x of a point of the body's surface", "within"]);
+    }
+}

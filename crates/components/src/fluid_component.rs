@@ -3,7 +3,7 @@
 mod machinery;
 mod table;
 
-use crate::interface::{COORDINATES, LOAD_ACCELERATION, MotionValues, coordinate};
+use crate::interface::{COORDINATES, LOAD_ACCELERATION, MotionValues, coordinate, finite};
 use crate::parameters::{HasSceneParameters, SceneParameters};
 use crate::{Error, LOAD, VELOCITY, conversion};
 use fluid::Observables;
@@ -234,25 +234,43 @@ impl Component for FluidComponent {
         self.state.clone()
     }
 
-    fn restore(&mut self, state: &State) -> Result<(), Failure> {
-        self.observed = OnceCell::new();
-        let Some(progress) = &state.progress else {
-            self.state = state.clone();
-            self.machinery = None;
-            return Ok(());
+    fn check(&self, state: &State) -> Result<(), Failure> {
+        state.motion.check("motion")?;
+        let Some(progress) = &state.progress else { return Ok(()) };
+        let StepReport { suggested_step, duration, .. } = progress.report;
+        finite("start, suggested step, duration", &[progress.start, suggested_step, duration])?;
+        let refuse = |error: &dyn std::fmt::Display| Failure::refused(error.to_string());
+        progress.scene.validate(&state.parameters.common.scene).map_err(|error| refuse(&error))?;
+        let checked = match self.machinery.as_ref().filter(|machinery| machinery.fits(&progress.scene)) {
+            Some(machinery) => machinery.solver.check_state(&progress.state),
+            None => {
+                machinery::check_count(&progress.scene, &progress.state)?;
+                let (solver, _) = machinery::solver(&progress.scene, self.modes).map_err(|error| refuse(&error))?;
+                solver.check_state(&progress.state)
+            }
         };
-        let same_parameters = self.state.parameters == state.parameters;
-        let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
+        checked.map_err(|error| refuse(&error))
+    }
+
+    fn restore(&mut self, state: &State) -> Result<(), Failure> {
+        match &state.progress {
+            None => self.machinery = None,
+            Some(progress) => {
+                let same_parameters = self.state.parameters == state.parameters;
+                let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
+                if !(same_parameters && kept) {
+                    let (scene, common) = (Arc::clone(&progress.scene), &state.parameters.common);
+                    let machinery = Machinery::new(scene, self.modes, common, progress.start);
+                    self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
+                }
+            }
+        }
+        if let (Some(machinery), Some(progress)) = (&mut self.machinery, &state.progress) {
+            machinery.resume(progress.state.time)?;
+        }
+        self.observed = OnceCell::new();
         self.state.clone_from(state);
-        if !(same_parameters && kept) {
-            let machinery =
-                Machinery::new(Arc::clone(&progress.scene), self.modes, &state.parameters.common, progress.start);
-            self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
-        }
-        match &mut self.machinery {
-            Some(machinery) => machinery.resume(progress.state.time),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     fn derivatives(&mut self, unknowns: &[Reference], knowns: &[Reference]) -> Result<Vec<f64>, Failure> {

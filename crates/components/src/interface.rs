@@ -1,7 +1,7 @@
 //! The variables through which fluid and structure meet. Names, references, units and order are the same at both ends;
 //! an input of one is an output of the other. References do not depend on the number of modes.
 
-use fmi2::{Reference, Variable};
+use fmi2::{Failure, Reference, Variable};
 use kinematics::{MAXIMUM_MODES, Motion, RIGID};
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +44,13 @@ impl MotionValues {
         motion
     }
 
+    /// Refuses values of which one is no finite number; `name` is used in messages.
+    pub fn check(&self, name: &str) -> Result<(), Failure> {
+        finite(&format!("{name}.position"), &self.position)?;
+        finite(&format!("{name}.velocity"), &self.velocity)?;
+        finite(&format!("{name}.acceleration"), &self.acceleration)
+    }
+
     /// A motion with any number of modes; the rest is zero.
     pub fn from_motion(motion: &Motion) -> Self {
         let mut values = Self::default();
@@ -52,6 +59,14 @@ impl MotionValues {
         values.velocity[..size].copy_from_slice(motion.velocity.as_slice());
         values.acceleration[..size].copy_from_slice(motion.acceleration.as_slice());
         values
+    }
+}
+
+/// Refuses numbers of a state of which one is not finite; `name` is used in messages.
+pub fn finite(name: &str, values: &[f64]) -> Result<(), Failure> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(Failure::refused(format!("{name}[{index}] = {}: expected a finite number", values[index]))),
+        None => Ok(()),
     }
 }
 

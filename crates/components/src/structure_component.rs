@@ -1,5 +1,6 @@
 //! The structure: a rigid cabin with an elastic beam, driven by the load of a fluid.
 
+mod check;
 mod table;
 
 use crate::frames::{Field, Frame, Line, Series, single};
@@ -103,6 +104,11 @@ impl Machinery {
         Ok(Self { body, workspace: solver.workspace(), solver, series, scene })
     }
 
+    /// Whether this was made for an equal scene.
+    fn fits(&self, scene: &Arc<Scene>) -> bool {
+        Arc::ptr_eq(&self.scene, scene) || self.scene == *scene
+    }
+
     /// Mean load of the step: what the fluid gives, and the constant load of the scene.
     fn load(&self, input: &[f64; COORDINATES]) -> Vec<f64> {
         let mut load = input[..RIGID + self.body.modes()].to_vec();
@@ -144,9 +150,12 @@ impl Machinery {
         frame
     }
 
+    /// Panels of a beam are fine enough to show it bent; a long wall beside a thin beam is not cut into more than 1e5.
     fn longest_panel(&self) -> f64 {
-        let beam = self.body.beam.as_ref();
-        beam.map_or(f64::INFINITY, |beam| (0.25 * beam.thickness).max(beam.modes.length() / 100.0))
+        let Some(beam) = &self.body.beam else { return f64::INFINITY };
+        let pieces = self.body.walls.iter().flat_map(|wall| wall.windows(2));
+        let walls: f64 = pieces.map(|pair| (pair[1] - pair[0]).norm()).sum();
+        (0.25 * beam.thickness).max(beam.modes.length() / 100.0).max(1e-5 * walls)
     }
 }
 
@@ -303,25 +312,40 @@ impl Component for StructureComponent {
         self.state.clone()
     }
 
-    fn restore(&mut self, state: &State) -> Result<(), Failure> {
-        let Some(progress) = &state.progress else {
-            self.state = state.clone();
-            self.machinery = None;
-            return Ok(());
-        };
-        let fits =
-            |machinery: &Machinery| Arc::ptr_eq(&machinery.scene, &progress.scene) || machinery.scene == progress.scene;
-        let same_output = self.state.parameters == state.parameters;
-        self.state = state.clone();
-        if !(same_output && self.machinery.as_ref().is_some_and(fits)) {
-            let fresh = self.state.parameters.common.series(&progress.scene, FIELD, progress.start);
-            let machinery = fresh.and_then(|series| Machinery::new(Arc::clone(&progress.scene), self.modes, series));
-            self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
+    fn check(&self, state: &State) -> Result<(), Failure> {
+        state.check()?;
+        let Some(progress) = &state.progress else { return Ok(()) };
+        let refuse = |error: &dyn std::fmt::Display| Failure::refused(error.to_string());
+        progress.scene.validate(&state.parameters.common.scene).map_err(|error| refuse(&error))?;
+        match self.machinery.as_ref().filter(|machinery| machinery.fits(&progress.scene)) {
+            Some(machinery) => progress.check(machinery),
+            None => {
+                let machinery = Machinery::new(Arc::clone(&progress.scene), self.modes, None);
+                progress.check(&machinery.map_err(|error| refuse(&error))?)
+            }
         }
-        let Some(series) = self.machinery.as_mut().and_then(|machinery| machinery.series.as_mut()) else {
-            return Ok(());
-        };
-        series.resume(progress.state.time).map_err(|error| Failure::broken(error.to_string()))
+    }
+
+    fn restore(&mut self, state: &State) -> Result<(), Failure> {
+        match &state.progress {
+            None => self.machinery = None,
+            Some(progress) => {
+                let same_output = self.state.parameters == state.parameters;
+                let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
+                if !(same_output && kept) {
+                    let fresh = state.parameters.common.series(&progress.scene, FIELD, progress.start);
+                    let machinery =
+                        fresh.and_then(|series| Machinery::new(Arc::clone(&progress.scene), self.modes, series));
+                    self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
+                }
+            }
+        }
+        let series = self.machinery.as_mut().and_then(|machinery| machinery.series.as_mut());
+        if let (Some(series), Some(progress)) = (series, &state.progress) {
+            series.resume(progress.state.time).map_err(|error| Failure::broken(error.to_string()))?;
+        }
+        self.state.clone_from(state);
+        Ok(())
     }
 
     fn derivatives(&mut self, unknowns: &[Reference], knowns: &[Reference]) -> Result<Vec<f64>, Failure> {

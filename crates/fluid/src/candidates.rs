@@ -1,5 +1,6 @@
 //! Cells that say which wall segments may be near a place.
 
+use crate::grid::bearable_size;
 use crate::walls::Segment;
 use nalgebra::Vector2;
 
@@ -16,7 +17,8 @@ pub struct CandidateCells {
 }
 
 impl CandidateCells {
-    /// Enters every segment into the cells within `radius` of it \[m\]; the cells are as wide.
+    /// Enters every segment into the cells within `radius` of it \[m\]; the cells are as wide, or wider where the walls
+    /// reach so far that there would be too many.
     pub fn build(&mut self, segments: &[Segment], radius: f64) {
         let Some(first) = segments.first() else {
             *self = Self::default();
@@ -25,7 +27,7 @@ impl CandidateCells {
         let corners = segments.iter().flat_map(|segment| [segment.start, segment.end()]);
         let (low, high) =
             corners.fold((first.start, first.start), |(low, high), corner| (low.inf(&corner), high.sup(&corner)));
-        let size = radius;
+        let size = bearable_size(&(high - low).add_scalar(4.0 * radius), radius);
         self.origin = low.add_scalar(-2.0 * radius);
         self.inverse_size = 1.0 / size;
         self.columns = ((high.x - low.x + 4.0 * radius) / size) as usize + 1;

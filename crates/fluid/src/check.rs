@@ -1,11 +1,12 @@
 //! Whether a geometry can be simulated at all, and whether a step gave numbers: coordinates in every message.
 
 use crate::Error;
-use crate::grid::Grid;
+use crate::grid::{Grid, bounding_box};
 use crate::parallel;
 use crate::parameters::Geometry;
 use crate::state::State;
 use crate::walls::{FIXED, Segment, Walls};
+use kinematics::{MaterialPoint, Motion};
 use nalgebra::Vector2;
 
 /// Whether a point lies on the solid side of the wall nearest to it.
@@ -16,6 +17,58 @@ fn behind<'a>(segments: impl Iterator<Item = &'a Segment> + Clone, point: &Vecto
     }
     let tied = |segment: &&Segment| segment.squared_distance(point) <= nearest + slack * slack;
     segments.filter(tied).all(|segment| segment.local(point).0 < -slack)
+}
+
+/// Spacings from one end of a scene to the other: more is a slip in a coordinate, and no place has digits left there.
+const LONGEST_SCENE: f64 = 1e8;
+/// Pieces of the body's surface, two spacings long each: every one is compared with every other.
+const MOST_PANELS: f64 = 1e4;
+
+/// Refuses a scene whose walls or body reach so far that the memory would be full before anything could be said about it.
+pub fn is_of_bearable_size(geometry: &Geometry, spacing: f64) -> Result<(), Error> {
+    let mut corners: Vec<Vector2<f64>> =
+        geometry.water.iter().chain(&geometry.fixed_walls).flatten().copied().collect();
+    if let Some(body) = &geometry.body {
+        let rest = Motion::at_rest(body.modes());
+        let rigid = body.walls.iter().flatten().map(|&point| MaterialPoint::Rigid(point));
+        let [length, thickness] = body.beam.as_ref().map_or([0.0; 2], |beam| [beam.modes.length(), beam.thickness]);
+        let ends = [0.0, length]
+            .into_iter()
+            .flat_map(|station| [-0.5, 0.5].map(|share| MaterialPoint::Beam { station, offset: share * thickness }));
+        let beam = ends.filter(|_| body.beam.is_some());
+        corners.extend(rigid.chain(beam).map(|point| body.position(point, &rest)));
+        let lengths = body.walls.iter().flat_map(|wall| wall.windows(2)).map(|pair| (pair[1] - pair[0]).norm());
+        let panels = (lengths.sum::<f64>() + 2.0 * (length + thickness)) / (2.0 * spacing);
+        if panels > MOST_PANELS {
+            return Err(Error::Geometry {
+                what: "the body's surface".to_string(),
+                got: format!("{} m, {panels:.0} pieces of two spacings", 2.0 * spacing * panels),
+                expected: format!("at most {MOST_PANELS} pieces; check its walls and the beam, or raise fluid.spacing"),
+            });
+        }
+    }
+    let (low, high) = bounding_box(&corners);
+    let extent = (high - low).max();
+    if extent <= LONGEST_SCENE * spacing {
+        return Ok(());
+    }
+    Err(Error::Geometry {
+        what: format!("water, walls and body from ({}, {}) to ({}, {})", low.x, low.y, high.x, high.y),
+        got: format!("{extent} m"),
+        expected: format!("at most {} m, {LONGEST_SCENE:e} spacings", LONGEST_SCENE * spacing),
+    })
+}
+
+/// Refuses particles that own no area: their cells fold over in the tip of a polygon or where it crosses itself.
+pub fn areas_are_sound(areas: &[f64], places: &[Vector2<f64>]) -> Result<(), Error> {
+    match areas.iter().zip(places).find(|(area, _)| !(area.is_finite() && **area > 0.0)) {
+        None => Ok(()),
+        Some((area, place)) => Err(Error::Geometry {
+            what: format!("water near ({}, {})", place.x, place.y),
+            got: format!("a particle with an area of {area} m2"),
+            expected: "polygons of water that do not cross themselves, with tips wider than a spacing".to_string(),
+        }),
+    }
 }
 
 /// Refuses degenerate walls.

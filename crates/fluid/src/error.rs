@@ -98,6 +98,31 @@ pub enum Error {
         /// Particle spacing \[m\].
         spacing: f64,
     },
+    /// A communication step that would take too many internal steps.
+    #[error(
+        "the communication step has {left:e} s left at t = {time} s, which takes more than {parts:e} internal steps of at \
+         most {stable:e} s; use a shorter communication step"
+    )]
+    CommunicationStep {
+        /// Time left in the communication step \[s\].
+        left: f64,
+        /// Largest stable internal step \[s\].
+        stable: f64,
+        /// Internal steps allowed.
+        parts: f64,
+        /// Time \[s\].
+        time: f64,
+    },
+    /// A state that does not belong to this scene, or that was damaged.
+    #[error("state: {what} = {got}: expected {expected}")]
+    State {
+        /// What is wrong.
+        what: String,
+        /// Value found.
+        got: String,
+        /// What would be right.
+        expected: String,
+    },
     /// The thread pool could not be made.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

@@ -29,10 +29,23 @@ pub struct Row<'a> {
     pub y: &'a [f64],
 }
 
+/// Most cells of a grid: 64 MB. Water that scatters farther gets larger cells, which find the same neighbours.
+const MOST_CELLS: f64 = (1 << 24) as f64;
+
+/// Side of the cells of a grid over a box of `extent`: `size`, or enough more to stay below [`MOST_CELLS`] \[m\].
+pub fn bearable_size(extent: &Vector2<f64>, mut size: f64) -> f64 {
+    let cells = |size: f64| (extent.x / size + 1.0) * (extent.y / size + 1.0);
+    while extent.x.max(extent.y).is_finite() && cells(size) > MOST_CELLS {
+        size *= 2.0;
+    }
+    size
+}
+
 impl Grid {
     /// Sorts the particles into cells of `size` \[m\]. Ascending order within a cell keeps every later sum the same.
     pub fn build(&mut self, positions: &[Vector2<f64>], size: f64) {
         let (low, high) = bounding_box(positions);
+        let size = bearable_size(&(high - low), size);
         self.origin = low;
         self.inverse_size = 1.0 / size;
         self.columns = ((high.x - low.x) * self.inverse_size) as usize + 1;

@@ -38,6 +38,7 @@ mod schedule;
 mod solver;
 mod stages;
 mod state;
+mod state_check;
 mod steps;
 mod voronoi;
 mod walls;

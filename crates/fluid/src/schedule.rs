@@ -27,6 +27,9 @@ impl Limits {
     }
 }
 
+/// Internal steps that one communication step may take. A step of 1e300 s would never come to an end.
+const MOST_PARTS: f64 = 1e6;
+
 /// The next internal step \[s\], given the time left and the last step (0 for none).
 ///
 /// The source term of the pressure contains 1/dt, and jumps of dt make it ring: where there is a choice, a step grows by
@@ -42,6 +45,9 @@ pub fn next_step(limits: &Limits, left: f64, last: f64, time: f64) -> Result<f64
     }
     if left <= stable {
         return Ok(left);
+    }
+    if left > MOST_PARTS * stable {
+        return Err(Error::CommunicationStep { left, stable, parts: MOST_PARTS, time });
     }
     let parts = (left / wanted - 1e-9).ceil().max(1.0);
     Ok(left / parts)

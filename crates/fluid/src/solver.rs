@@ -74,6 +74,7 @@ impl Solver {
     pub fn new(parameters: Parameters, geometry: Geometry) -> Result<Self, Error> {
         parameters.validate()?;
         geometry.jitter.validate()?;
+        check::is_of_bearable_size(&geometry, parameters.spacing)?;
         check::walls_are_sound(&geometry, parameters.spacing)?;
         let mut filling = fill::fill(&geometry.water, parameters.spacing)?;
         let spacing = filling.effective_spacing;
@@ -97,6 +98,7 @@ impl Solver {
                 voronoi::relax::relax(&mut filling.positions, &filling.counts, water, spacing)
             }
         };
+        check::areas_are_sound(&volumes, &filling.positions)?;
         setting.geometry.jitter.apply(&mut filling.positions, spacing);
         let threads = setting.parameters.threads;
         let pool = rayon::ThreadPoolBuilder::new()
@@ -201,6 +203,7 @@ impl Solver {
     /// Finds load and added mass at a communication point at which nothing was stepped yet, with the body as it stands.
     /// Scenes in which nothing answers to the load, and the scheme `paper`, have none: nothing is done.
     pub fn begin(&self, state: &mut State, workspace: &mut Workspace) -> Result<Report, Error> {
+        self.check_body_inside(&state.motion, state.time)?;
         let mut report = Report::default();
         let time_step = self.limits_now(state).stable_step();
         let pace = Pace { time_step, kick: time_step, stable_step: time_step, share: 1.0 };
@@ -323,6 +326,13 @@ impl Solver {
             }
         }
         Ok(limits)
+    }
+
+    /// Refuses a motion that takes the body out of the domain.
+    pub(crate) fn check_body_inside(&self, motion: &Motion, time: f64) -> Result<(), Error> {
+        let Some(body) = &self.setting.geometry.body else { return Ok(()) };
+        let mut points = self.setting.layout.panels.iter().flatten();
+        points.try_for_each(|point| self.check_inside(&body.position(*point, motion), time))
     }
 
     fn check_inside(&self, place: &Vector2<f64>, time: f64) -> Result<(), Error> {

@@ -106,7 +106,14 @@ pub trait Component: Sized + 'static {
     /// A copy of the state.
     fn save(&self) -> Self::State;
 
-    /// Goes back to a saved state, which may come from another instance or process.
+    /// Refuses a state read from bytes that no instance of this model can have saved. A checksum says that the bytes are those
+    /// that somebody wrote, not that a model wrote them: lengths, ranges and whatever steps and getters rely on belong here.
+    fn check(&self, _state: &Self::State) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Goes back to a saved state, which may come from another instance or process. After a failure the component is as
+    /// before.
     fn restore(&mut self, state: &Self::State) -> Result<(), Failure>;
 
     /// Matrix of d unknown(t + H) / d known, the known ones held over the last step, row by row.

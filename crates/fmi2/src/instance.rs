@@ -248,6 +248,10 @@ impl<C: Component> Instance<C> {
     /// fmi2DeSerializeFMUstate.
     pub fn deserialize(&self, bytes: &[u8]) -> Result<Snapshot<C::State>, Failure> {
         self.allow(Function::DeSerializeFmuState)?;
-        Snapshot::from_bytes(bytes, self.guid)
+        let snapshot = Snapshot::from_bytes(bytes, self.guid)?;
+        snapshot.check_times()?;
+        let refuse = |failure: Failure| Failure::refused(format!("serialised state: {}", failure.message));
+        self.component.check(&snapshot.component).map_err(refuse)?;
+        Ok(snapshot)
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use uuid::Uuid;
 
 const MAGIC: &[u8; 8] = b"PLIMSOLL";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = 8 + 4 + 16 + 8 + 4;
 
 /// Everything that decides what an instance does next.
@@ -68,7 +68,24 @@ impl<S: Serialize + DeserializeOwned> Snapshot<S> {
         if expected != got {
             return Err(refuse(format!("checksum {got:08x}, expected {expected:08x}: the bytes were changed")));
         }
-        postcard::from_bytes(payload).map_err(|error| refuse(format!("values cannot be read: {error}")))
+        let (snapshot, rest) = postcard::take_from_bytes::<Self>(payload)
+            .map_err(|error| refuse(format!("values cannot be read: {error}")))?;
+        match rest.len() {
+            0 => Ok(snapshot),
+            left => Err(refuse(format!("{left} of {length} bytes of values are left over"))),
+        }
+    }
+
+    /// Refuses times that no experiment can have.
+    pub(crate) fn check_times(&self) -> Result<(), Failure> {
+        let Self { start, stop, time, .. } = *self;
+        if start.is_finite() && time.is_finite() && stop.is_none_or(|stop| stop >= start) {
+            return Ok(());
+        }
+        let stop = stop.map_or("none".to_string(), |stop| stop.to_string());
+        Err(Failure::refused(format!(
+            "serialised state: start {start}, time {time}, stop {stop}: expected finite times, the stop not before the start"
+        )))
     }
 }
 

@@ -29,15 +29,25 @@ pub fn from_toml<T: DeserializeOwned>(text: &str, name: &str, overrides: &[(Stri
     let mut root = Value::Table(table);
     for (key, value) in overrides {
         let slot = keys(key)
-            .into_iter()
-            .try_fold(&mut root, child)
-            .map_err(|reason| Error::Override { text: format!("{key}={value}"), reason })?;
+            .and_then(|keys| keys.into_iter().try_fold(&mut root, child))
+            .map_err(|reason| Error::Override { text: shortened(format!("{key}={value}")), reason })?;
         *slot = parse_value(value);
     }
     root.try_into().map_err(|error: toml::de::Error| {
         let all: Vec<String> = overrides.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        Error::Override { text: all.join("; "), reason: format!("{}{}", error.message(), hint(error.message())) }
+        Error::Override {
+            text: shortened(all.join("; ")),
+            reason: format!("{}{}", error.message(), hint(error.message())),
+        }
     })
+}
+
+/// The beginning of a text that is too long for a message.
+fn shortened(text: String) -> String {
+    match text.char_indices().nth(200) {
+        Some((end, _)) => format!("{} ...", &text[..end]),
+        None => text,
+    }
 }
 
 fn parse_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
@@ -60,13 +70,25 @@ fn parse_value(text: &str) -> Value {
     wrapper.and_then(|mut wrapper| wrapper.remove("value")).unwrap_or_else(|| Value::String(text.to_string()))
 }
 
+/// Keys of a path, one below the other: no document is as deep, and tables are made, read and dropped by recursion, which
+/// would end the process on a path of some ten thousand.
+const MOST_KEYS: usize = 32;
+
 /// The keys of a dotted path.
-fn keys(path: &str) -> Vec<&str> {
-    match path.split_once('.') {
-        None => vec![path],
-        Some(("parameters", name)) => vec!["parameters", name],
-        Some((head, rest)) => std::iter::once(head).chain(keys(rest)).collect(),
+fn keys(path: &str) -> Result<Vec<&str>, String> {
+    let mut keys = Vec::new();
+    let mut rest = Some(path);
+    while let Some(path) = rest {
+        if keys.len() == MOST_KEYS {
+            return Err(format!("more than {MOST_KEYS} keys one below the other, expected key.path=value"));
+        }
+        let (head, tail) = path.split_once('.').map_or((path, None), |(head, tail)| (head, Some(tail)));
+        // Names of variables contain dots: they are one key.
+        let whole = keys.last() == Some(&"parameters");
+        keys.push(if whole { path } else { head });
+        rest = if whole { None } else { tail };
     }
+    Ok(keys)
 }
 
 fn child<'a>(value: &'a mut Value, key: &str) -> Result<&'a mut Value, String> {

@@ -89,6 +89,13 @@ impl Scene {
     }
 }
 
+impl Polygon {
+    /// Area that it encloses \[m2\].
+    pub fn area(&self) -> f64 {
+        area(&self.polygon)
+    }
+}
+
 impl Run {
     /// Checks end and step of a run that starts at `start` \[s\]; `name` is used in messages.
     pub fn validate(&self, name: &str, start: f64) -> Result<(), Error> {
@@ -247,9 +254,9 @@ fn extent(polygon: &[Point]) -> [f64; 2] {
     })
 }
 
-/// Area of a closed polygon \[m2\], from its first corner so that a far origin costs no digits.
+/// Area of a closed polygon of at least one corner \[m2\], from its first corner so that a far origin costs no digits.
 fn area(polygon: &[Point]) -> f64 {
-    let [x, y] = polygon[0];
+    let [x, y] = polygon.first().copied().unwrap_or_default();
     let triangle = |pair: &[Point]| (pair[0][0] - x) * (pair[1][1] - y) - (pair[0][1] - y) * (pair[1][0] - x);
     0.5 * polygon.windows(2).map(triangle).sum::<f64>().abs()
 }

@@ -14,11 +14,42 @@ use nalgebra::{DMatrix, DVector};
 
 /// What the fluid answers to accelerations. Sizes 3 + N.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "Numbers", into = "Numbers")]
 pub struct AddedMass {
     /// A; symmetric, positive semi-definite.
     pub matrix: DMatrix<f64>,
     /// a_r, the mean acceleration that the load belongs to.
     pub acceleration: DVector<f64>,
+}
+
+/// The form in saved states. A matrix that is read as such brings numbers of rows and columns whose product may wrap around
+/// to the number of entries; here the accelerations say how large it is.
+#[derive(Clone, serde::Serialize, serde::Deserialize)]
+struct Numbers {
+    /// Column after column.
+    matrix: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+impl From<AddedMass> for Numbers {
+    fn from(added: AddedMass) -> Self {
+        Self { matrix: added.matrix.as_slice().to_vec(), acceleration: added.acceleration.as_slice().to_vec() }
+    }
+}
+
+impl TryFrom<Numbers> for AddedMass {
+    type Error = String;
+
+    fn try_from(numbers: Numbers) -> Result<Self, String> {
+        let (size, entries) = (numbers.acceleration.len(), numbers.matrix.len());
+        if size.checked_mul(size) != Some(entries) {
+            return Err(format!("an added mass of {entries} entries for {size} coordinates"));
+        }
+        Ok(Self {
+            matrix: DMatrix::from_vec(size, size, numbers.matrix),
+            acceleration: DVector::from_vec(numbers.acceleration),
+        })
+    }
 }
 
 impl Solver {

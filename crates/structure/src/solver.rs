@@ -226,7 +226,12 @@ impl Solver {
         self.check_state(state)
     }
 
-    fn check_state(&self, state: &State) -> Result<(), Error> {
+    /// Refuses a state that is not one of this structure: lists of other lengths, numbers that are none, a locked coordinate
+    /// that moves.
+    ///
+    /// # Errors
+    /// What is wrong, with the numbers.
+    pub fn check_state(&self, state: &State) -> Result<(), Error> {
         let (motion, time, expected) = (&state.motion, state.time, self.dynamics.size());
         let parts =
             [("position", &motion.position), ("velocity", &motion.velocity), ("acceleration", &motion.acceleration)];

@@ -5,6 +5,7 @@ use crate::frames::{Field, Frame, Series, single, write_frame};
 use crate::parameters::SceneParameters;
 use crate::{Error, conversion};
 use fmi2::Failure;
+use nalgebra::Vector2;
 use scene::Scene;
 use std::cell::RefCell;
 use std::path::Path;
@@ -26,14 +27,7 @@ impl Machinery {
         parameters: &SceneParameters,
         start: f64,
     ) -> Result<Self, Error> {
-        let (numbers, geometry) = conversion::fluid(&scene)?;
-        let beam = scene.modes();
-        within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
-        within("pressure probe points", geometry.probes.len(), PROBES, "; remove some of fluid.probe")?;
-        within("level gauges", geometry.gauges.len(), GAUGES, "; remove some of fluid.gauge")?;
-        within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;
-        let walls = geometry.fixed_walls.clone();
-        let solver = fluid::Solver::new(numbers, geometry)?;
+        let (solver, walls) = solver(&scene, modes)?;
         let series = parameters.series(&scene, "particles", start)?;
         if series.is_some() {
             write_frame(&Path::new(&parameters.output_directory).join("walls.vtu"), outline(&walls))?;
@@ -79,6 +73,30 @@ impl Machinery {
     }
 }
 
+/// Refuses a state with far fewer particles than its scene asks for, before a solver is made for so many.
+pub(super) fn check_count(scene: &Scene, state: &fluid::State) -> Result<(), Failure> {
+    let Some(fluid) = &scene.fluid else { return Ok(()) };
+    let area: f64 = fluid.water.iter().map(scene::Polygon::area).sum();
+    let (expected, count) = (area / fluid.spacing.powi(2), state.positions.len());
+    if expected <= 1000.0 + 2.0 * count.saturating_add(state.lost) as f64 {
+        return Ok(());
+    }
+    let lost = state.lost;
+    Err(Failure::refused(format!("{count} particles and {lost} lost ones: expected about {expected:.0} in {area} m2")))
+}
+
+/// The solver of a scene for an interface with this number of modes, and the fixed walls.
+pub(super) fn solver(scene: &Scene, modes: usize) -> Result<(fluid::Solver, Vec<Vec<Vector2<f64>>>), Error> {
+    let (numbers, geometry) = conversion::fluid(scene)?;
+    let beam = scene.modes();
+    within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
+    within("pressure probe points", geometry.probes.len(), PROBES, "; remove some of fluid.probe")?;
+    within("level gauges", geometry.gauges.len(), GAUGES, "; remove some of fluid.gauge")?;
+    within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;
+    let walls = geometry.fixed_walls.clone();
+    Ok((fluid::Solver::new(numbers, geometry)?, walls))
+}
+
 fn within(what: &'static str, got: usize, limit: usize, hint: &'static str) -> Result<(), Error> {
     if got > limit { Err(Error::TooMany { what, got, limit, hint }) } else { Ok(()) }
 }
@@ -97,7 +115,7 @@ fn particles(state: &fluid::State) -> Frame {
     }
 }
 
-fn outline(walls: &[Vec<nalgebra::Vector2<f64>>]) -> Frame {
+fn outline(walls: &[Vec<Vector2<f64>>]) -> Frame {
     let mut frame = Frame::default();
     for wall in walls {
         let first = frame.points.len() as u64;
