@@ -4,7 +4,7 @@
 //! `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use components::{conversion, coordinates, particles};
+use components::{conversion, fluid_set_up, structure_set_up};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::{RngSeed, TestRunner};
@@ -93,13 +93,13 @@ fn told(error: &dyn std::fmt::Display) -> Result<(), TestCaseError> {
 
 /// Sets a scene up as a run would do; what it gives is finite. Whether it can be run.
 fn set_up(scene: &Scene) -> Result<bool, TestCaseError> {
-    let bodies = coordinates(scene);
+    let bodies = structure_set_up(scene);
     if let Err(error) = &bodies {
         told(error)?;
     }
-    let count = match particles(scene) {
+    let count = match fluid_set_up(scene) {
         Err(error) => return told(&error).map(|()| false),
-        Ok(count) => count,
+        Ok(places) => places.len(),
     };
     if count == 0 {
         return Ok(bodies.is_ok());
@@ -160,7 +160,7 @@ fn sizes_beyond_reason_are_refused() {
         let overrides = [(key.to_string(), value.to_string())];
         let result = Scene::from_file_with(&scenes.join(format!("{scene}.toml")), &overrides);
         let message = match result {
-            Ok(scene) => particles(&scene).expect_err(key).to_string(),
+            Ok(scene) => fluid_set_up(&scene).expect_err(key).to_string(),
             Err(error) => error.to_string(),
         };
         assert!(words.iter().all(|word| message.contains(word)), "{message}: expected {words:?}");

@@ -14,6 +14,7 @@ communication_step = 0.01
 [output]
 interval = 0.1
 record_interval = 0.1
+checkpoint_interval = 10.0
 [fluid]
 density = 1000.0
 spacing = 0.01

@@ -85,8 +85,11 @@ pub(super) fn check_count(scene: &Scene, state: &fluid::State) -> Result<(), Fai
     Err(Failure::refused(format!("{count} particles and {lost} lost ones: expected about {expected:.0} in {area} m2")))
 }
 
+/// Fixed walls, corner by corner.
+type Walls = Vec<Vec<Vector2<f64>>>;
+
 /// The solver of a scene for an interface with this number of modes, and the fixed walls.
-pub(super) fn solver(scene: &Scene, modes: usize) -> Result<(fluid::Solver, Vec<Vec<Vector2<f64>>>), Error> {
+pub(super) fn solver(scene: &Scene, modes: usize) -> Result<(fluid::Solver, Walls), Error> {
     let (numbers, geometry) = conversion::fluid(scene)?;
     let beam = scene.modes();
     within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
