@@ -1,7 +1,7 @@
 //! `plimsoll compare`: histories of several runs, and of reference tables, over each other.
 
 use crate::checks::interpolate;
-use crate::record::{Column, Error, Series};
+use crate::record::{Column, Error, Recipe, Series, write_whole};
 use crate::report::html::{self, Failure};
 use crate::report::{Chart, Curve, MOST_MARKERS, Short};
 use maud::{Markup, html};
@@ -13,7 +13,7 @@ pub struct CompareArguments {
     /// Folders of runs, or tables as CSV with times first and `name [unit]` in the header; at least two.
     #[arg(required = true, num_args = 2.., value_name = "RUN-OR-CSV")]
     pub runs: Vec<PathBuf>,
-    /// Variables to show, by the names in the tables; missing, all that two of them share.
+    /// Variables to show, by the names in the tables, with commas between them; missing, all that two of them share.
     #[arg(long, value_delimiter = ',')]
     pub variables: Vec<String>,
     /// The page.
@@ -25,6 +25,8 @@ pub struct CompareArguments {
 struct Source {
     label: String,
     series: Series,
+    /// What a run was made of; none of a table.
+    recipe: Option<Recipe>,
 }
 
 /// Writes the page; gives its path.
@@ -43,19 +45,34 @@ pub fn compare(arguments: &CompareArguments) -> Result<PathBuf, Failure> {
     let charts: Vec<Chart> =
         names.iter().filter(|name| varies(&sources, name)).map(|name| chart(&sources, name)).collect();
     let body = html! {
+        (made_of(&sources))
         p { "Differences are those from " b { (sources[0].label) } ", at its times within the other's." }
         (differences(&sources, &names))
         @for (index, chart) in charts.iter().enumerate() { (html::interactive(chart, &format!("chart-{index}"))) }
     };
     let text = html::interactive_page("Comparison", &body);
-    std::fs::write(&arguments.out, text).map_err(|error| Error::new(&arguments.out, error))?;
+    write_whole(&arguments.out, text)?;
     Ok(arguments.out.clone())
 }
 
 fn read(path: &Path) -> Result<Source, Error> {
-    let table = if path.is_dir() { path.join("results.csv") } else { path.to_path_buf() };
-    let name = path.file_stem().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
-    Ok(Source { label: name, series: Series::read(&table)? })
+    let folder = path.is_dir();
+    let table = if folder { path.join("results.csv") } else { path.to_path_buf() };
+    let name = if folder { path.file_name() } else { path.file_stem() };
+    let label = name.map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+    let recipe = if folder { Recipe::read(path)? } else { None };
+    Ok(Source { label, series: Series::read(&table)?, recipe })
+}
+
+/// What each run is and which values were changed.
+fn made_of(sources: &[Source]) -> Markup {
+    let row = |source: &Source| {
+        let recipe = source.recipe.as_ref()?;
+        let changes = if recipe.set.is_empty() { "none".to_string() } else { recipe.set.join("; ") };
+        Some(vec![source.label.clone(), recipe.name.clone(), changes, recipe.version.clone(), recipe.date.clone()])
+    };
+    let rows: Vec<Vec<String>> = sources.iter().filter_map(row).collect();
+    html! { @if !rows.is_empty() { (html::table(&["run", "scene", "changed values", "version", "date"], &rows)) } }
 }
 
 fn columns<'a>(sources: &'a [Source], name: &str) -> impl Iterator<Item = (&'a Source, &'a Column)> {
@@ -75,7 +92,7 @@ fn shared(sources: &[Source]) -> Vec<String> {
 
 fn offer(sources: &[Source]) -> String {
     let known = |source: &Source| {
-        let names: Vec<&str> = source.series.columns.iter().map(|column| column.name.as_str()).take(8).collect();
+        let names: Vec<&str> = source.series.columns.iter().map(|column| column.name.as_str()).collect();
         format!("{} has {}", source.label, names.join(", "))
     };
     sources.iter().map(known).collect::<Vec<_>>().join("; ")

@@ -157,7 +157,8 @@ impl Job {
         let path = self.folder.join("summary.md");
         record::write_whole(&path, text)?;
         let path = self.folder.join("report.html");
-        let page = report::run_page(summary, &about, &pictures, &outcome.warnings);
+        let recipe = record::Recipe::read(&self.folder)?;
+        let page = report::run_page(summary, &about, recipe.as_ref(), &pictures, &outcome.warnings);
         record::write_whole(&path, page)
     }
 }

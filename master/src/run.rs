@@ -99,6 +99,7 @@ pub fn run(
         None => Run::begin(case, system, &parameters, folder, schedule, begin)?,
         Some(checkpoint) => Run::resume(case, system, &parameters, folder, schedule, begin, checkpoint)?,
     };
+    run.miss_variables(case, progress);
     let result = run.steps(interrupted, progress);
     let (status, error) = match result {
         Ok(status) => (status, None),
@@ -183,9 +184,27 @@ impl Run {
         })
     }
 
+    /// Checks of variables that no participant gives would be noticed at the end only.
+    fn miss_variables(&mut self, case: &Case, progress: &Progress) {
+        let columns = &self.results.series().columns;
+        for check in case.check.iter().filter(|check| !check.variable.is_empty()) {
+            if columns.iter().any(|column| column.name == check.variable) {
+                continue;
+            }
+            let near = participant::nearest(&check.variable, columns.iter().map(|column| column.name.as_str()));
+            let hint = near.map_or_else(String::new, |name| format!("; the nearest name is '{name}'"));
+            let warning = format!("check '{}': this run has no variable '{}'{hint}", check.name, check.variable);
+            progress.warn(&warning);
+            self.warnings.push(warning);
+        }
+    }
+
     fn steps(&mut self, interrupted: &AtomicBool, progress: &mut Progress) -> Result<Status, Error> {
         progress.begin(self.stepper.clock().time(), self.counts.steps);
-        self.results.record(&mut self.system, self.stepper.clock().time(), self.counts.steps == 0)?;
+        // A run that goes on has its row, or stands between two communication points, where none is due.
+        if self.counts.steps == 0 {
+            self.results.record(&mut self.system, self.stepper.clock().time(), true)?;
+        }
         while !self.stepper.clock().finished() {
             if interrupted.load(Ordering::Relaxed) {
                 // Before the row that an uninterrupted run would not have.

@@ -95,9 +95,13 @@ pub fn fits_together(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Res
         return Err(Error::Geometry {
             what: format!("water at ({}, {}) lies behind the wall nearest to it", point.x, point.y),
             got: "a particle inside a solid".to_string(),
-            expected: "all water in front of the walls; walk a wall's points with the fluid on the left".to_string(),
+            expected:
+                "all water in front of walls and structure; move the water's polygon out of the solid, or walk a \
+                       wall's points with the fluid on the left"
+                    .to_string(),
         });
     }
+    off_the_body(walls, water, spacing)?;
     let fixed = walls.segments.iter().filter(|segment| segment.panel == FIXED);
     for segment in walls.segments.iter().filter(|segment| segment.panel != FIXED) {
         let middle = segment.start + segment.tangent * (0.5 * segment.length);
@@ -108,6 +112,24 @@ pub fn fits_together(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Res
                 expected: "a body inside the walls; move structure.origin or the beam's middle".to_string(),
             });
         }
+    }
+    Ok(())
+}
+
+/// Refuses particles on the surface of the body: those of a polygon that covers a solid as thin as the spacing stand on its
+/// faces, and none within.
+fn off_the_body(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Result<(), Error> {
+    let nearest = |point: &Vector2<f64>| {
+        let near = walls.candidates(point).iter().map(|&index| &walls.segments[index as usize]);
+        let body = near.filter(|segment| segment.panel != FIXED);
+        body.map(|segment| segment.squared_distance(point)).fold(f64::INFINITY, f64::min)
+    };
+    if let Some(point) = water.iter().find(|point| nearest(point) < (0.05 * spacing).powi(2)) {
+        return Err(Error::Geometry {
+            what: format!("a particle at ({}, {}) stands on the surface of the structure", point.x, point.y),
+            got: format!("{} m away from it", nearest(point).sqrt()),
+            expected: "about half a spacing; let the water's polygon not cover the structure".to_string(),
+        });
     }
     Ok(())
 }

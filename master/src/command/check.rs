@@ -28,7 +28,7 @@ pub(super) struct CheckArguments {
     /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     set: Vec<String>,
-    /// Picture of the set-up, PNG with an SVG beside it [default: results/NAME/set-up.png].
+    /// Picture of the set-up, PNG with an SVG beside it [default: results/NAME-set-up.png].
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
 }
@@ -51,13 +51,16 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
         let (steps, seconds) = estimate(&scene, &particles, coordinates);
         answer!("# about {steps:.0} steps and {} on this machine, give or take a factor of two;", duration(seconds));
     }
-    let stem = arguments.picture.clone().unwrap_or_else(|| Path::new("results").join(&target.name).join("set-up.png"));
+    let default = || Path::new("results").join(format!("{}-set-up.png", target.name));
+    let mut stem = arguments.picture.clone().unwrap_or_else(default);
+    if stem.extension().is_some_and(|extension| extension == "png" || extension == "svg") {
+        stem.set_extension("");
+    }
     if let Some(folder) = stem.parent() {
         std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
     report::prepare_font();
-    let picture =
-        SetUp { scene: &scene, particles: &particles, structure: &structure }.draw(&stem.with_extension(""))?;
+    let picture = SetUp { scene: &scene, particles: &particles, structure: &structure }.draw(&stem)?;
     answer!("# drawn in {};", picture.display());
     answer!("# every number, defaults included:\n{}", toml::to_string(&scene)?);
     Ok(ExitCode::SUCCESS)

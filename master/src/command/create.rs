@@ -97,6 +97,16 @@ mod tests {
     }
 
     #[test]
+    fn water_over_a_plate_as_thin_as_the_spacing_is_refused() {
+        let wider = [("[0.3, 0.0], [0.3, 0.25]", "[0.7, 0.0], [0.7, 0.25]"), ("thickness = 0.008", "thickness = 0.01")];
+        let template = Kind::Plate.template().to_string();
+        let text = wider.iter().fold(template, |text, (from, to)| text.replace(from, to));
+        let scene = Scene::from_str(&text, "template").unwrap();
+        let message = components::fluid_set_up(&scene).unwrap_err().to_string();
+        assert!(message.contains("(0.595, 0.005)") && message.contains("surface of the structure"), "{message}");
+    }
+
+    #[test]
     fn the_committed_schemas_are_those_of_the_types() {
         for (what, name) in [(SchemaOf::Scene, "scene"), (SchemaOf::Case, "case")] {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenes/schema/{name}.schema.json"));

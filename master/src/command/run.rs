@@ -53,12 +53,32 @@ impl RunArguments {
     fn style(&self) -> Style {
         if self.quiet { Style::Quiet } else { self.log }
     }
+
+    fn folder(&self, target: &Target) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("results").join(&target.name))
+    }
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
+    if arguments.resume && is_done(arguments)? {
+        tell!("the run is complete already; without --resume it is done again");
+        return Ok(ExitCode::SUCCESS);
+    }
     let interrupted = watch_for_interruption(arguments.style())?;
     let (summary, _, folder) = execute(arguments, &interrupted)?;
     Ok(conclude(&summary, &folder, arguments))
+}
+
+/// Whether the same run, by the same version, is complete in its folder.
+fn is_done(arguments: &RunArguments) -> Result<bool, Failure> {
+    let target = Target::find(&arguments.target)?.changed(&arguments.set);
+    let folder = arguments.folder(&target);
+    let (Ok(summary), Some(recipe)) = (Summary::read(&folder.join("summary.json")), Recipe::read(&folder)?) else {
+        return Ok(false);
+    };
+    let same = recipe.set == target.set && recipe.version == env!("CARGO_PKG_VERSION");
+    let text = std::fs::read_to_string(Recipe::scene_in(&folder)).unwrap_or_default();
+    Ok(summary.status == Status::Complete && same && text == target.text)
 }
 
 /// Runs a scene or a case and writes everything about it into the folder that is returned.
@@ -67,7 +87,7 @@ pub(crate) fn execute(
     interrupted: &AtomicBool,
 ) -> Result<(Summary, Outcome, PathBuf), Failure> {
     let target = Target::find(&arguments.target)?.changed(&arguments.set);
-    let folder = arguments.out.clone().unwrap_or_else(|| Path::new("results").join(&target.name));
+    let folder = arguments.folder(&target);
     let job =
         if target.is_case() { case_job(&target, folder, arguments)? } else { scene_job(&target, folder, arguments)? };
     let checkpoint = job.prepare_folder(arguments.resume)?;
@@ -161,6 +181,9 @@ fn conclude(summary: &Summary, folder: &Path, arguments: &RunArguments) -> ExitC
             answer!("{name}: {} {}{reference}", number(check.value), check.unit);
         }
         answer!("report: {}", report.display());
+    }
+    if arguments.style() == Style::Bar && folder.join(crate::checkpoint::FILE_NAME).is_file() {
+        tell!("to go on from the last checkpoint: the same command with --resume");
     }
     match summary.status {
         Status::Complete => ExitCode::SUCCESS,

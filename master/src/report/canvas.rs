@@ -37,9 +37,14 @@ pub fn prepare_font() {
 
 /// Writes `stem.svg` and `stem.png`; gives the path of the PNG.
 pub(super) fn save(svg: &str, stem: &Path) -> Result<PathBuf, Error> {
-    let path = stem.with_extension("svg");
+    let with = |extension: &str| {
+        let mut name = stem.as_os_str().to_os_string();
+        name.push(extension);
+        PathBuf::from(name)
+    };
+    let path = with(".svg");
     write_whole(&path, svg.as_bytes()).map_err(|error| Error::new(&path, error))?;
-    let path = stem.with_extension("png");
+    let path = with(".png");
     let mut options = usvg::Options { font_family: FAMILY.to_string(), ..usvg::Options::default() };
     let fonts = Arc::make_mut(&mut options.fontdb);
     fonts.load_font_data(dejavu::sans::regular().to_vec());

@@ -102,7 +102,7 @@ impl Chart {
         if self.curves.len() > 1 || self.band.is_some() {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
+                .position(self.free_corner((x0, x1), (y0, y1)))
                 .background_style(WHITE.mix(0.85))
                 .border_style(RGBColor(200, 200, 200))
                 .label_font((FAMILY, 14))
@@ -110,6 +110,26 @@ impl Chart {
         }
         area.present()?;
         Ok(())
+    }
+
+    /// The corner for the legend where the fewest points of curves are.
+    fn free_corner(&self, x: (f64, f64), y: (f64, f64)) -> SeriesLabelPosition {
+        let corners = [
+            (SeriesLabelPosition::UpperRight, true, true),
+            (SeriesLabelPosition::UpperLeft, false, true),
+            (SeriesLabelPosition::LowerRight, true, false),
+            (SeriesLabelPosition::LowerLeft, false, false),
+        ];
+        // A legend takes about a third of the width and, line by line, a share of the height.
+        let height = (0.06 * (self.curves.len() + 2) as f64).min(0.5);
+        let inside = |right: bool, upper: bool, point: &(f64, f64)| {
+            let (across, up) = ((point.0 - x.0) / (x.1 - x.0), (point.1 - y.0) / (y.1 - y.0));
+            (if right { across > 0.65 } else { across < 0.35 }) && (if upper { up > 1.0 - height } else { up < height })
+        };
+        let points = || self.curves.iter().flat_map(|curve| thinned(&curve.points));
+        let count = |right: bool, upper: bool| points().filter(|point| inside(right, upper, point)).count();
+        let best = corners.into_iter().min_by_key(|(_, right, upper)| count(*right, *upper));
+        best.map_or(SeriesLabelPosition::UpperRight, |(corner, ..)| corner)
     }
 
     fn draw_band(&self, chart: &mut Axes) -> Result<(), Box<dyn std::error::Error>> {

@@ -144,7 +144,17 @@ fn families(case: &Case, series: &Series) -> Vec<(String, Chart)> {
         let curves = members.iter().map(curve).collect();
         (slug(&key), Chart { title, x: TIME.to_string(), y: format!("[{unit}]"), curves, band: None })
     };
+    families.sort_by_key(|(_, members)| rank(&members[0].name));
     families.into_iter().map(chart).collect()
+}
+
+/// Place of a variable's chart: what is looked for first stands first, modal coordinates last.
+fn rank(name: &str) -> usize {
+    const FIRST: [&str; 5] = [".deflection", ".probe.", ".region.", ".level", ".motion."];
+    if name.contains("motion.q") || name.contains("motion.vq") || name.contains("motion.aq") {
+        return FIRST.len() + 1;
+    }
+    FIRST.iter().position(|part| name.contains(part)).unwrap_or(FIRST.len())
 }
 
 fn title(column: &Column) -> String {

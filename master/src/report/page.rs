@@ -3,11 +3,17 @@
 use super::html;
 use super::text::{facts, number, stages, state, verdict};
 use super::{Pictures, figures::MOVIE};
-use crate::record::{CheckResult, Summary};
+use crate::record::{CheckResult, Recipe, Summary};
 use maud::{Markup, html};
 
 /// The page for a summary, with what the scene says of itself, charts, pictures, and the warnings of the run.
-pub fn run_page(summary: &Summary, about: &[(&str, &str)], pictures: &Pictures, warnings: &[String]) -> String {
+pub fn run_page(
+    summary: &Summary,
+    about: &[(&str, &str)],
+    recipe: Option<&Recipe>,
+    pictures: &Pictures,
+    warnings: &[String],
+) -> String {
     let title = if summary.title.is_empty() { &summary.scene } else { &summary.title };
     let failures = pictures.failures.iter().map(ToString::to_string);
     let warnings: Vec<String> = warnings.iter().cloned().chain(failures).collect();
@@ -20,17 +26,27 @@ pub fn run_page(summary: &Summary, about: &[(&str, &str)], pictures: &Pictures, 
         h2 { "Charts" }
         @for (index, (_, chart)) in pictures.charts.iter().enumerate() { (html::interactive(chart, &format!("chart-{index}"))) }
         h2 { "Run" }
-        (html::table(&["", ""], &rows(summary)))
+        (html::table(&["", ""], &rows(summary, recipe)))
         h2 { "Wall-clock time by stage" }
         (html::table(&["stage", "seconds", "share"], &stages(summary).into_iter().map(Vec::from).collect::<Vec<_>>()))
     };
     html::interactive_page(title, &body)
 }
 
-fn rows(summary: &Summary) -> Vec<Vec<String>> {
+fn rows(summary: &Summary, recipe: Option<&Recipe>) -> Vec<Vec<String>> {
     let mut rows: Vec<Vec<String>> =
         facts(summary).into_iter().map(|(name, value)| vec![name.to_string(), value]).collect();
     rows.push(vec!["version".to_string(), summary.version.clone()]);
+    if let Some(recipe) = recipe {
+        let changes = if recipe.set.is_empty() { "none".to_string() } else { recipe.set.join("; ") };
+        let more = [
+            ("changed values", changes),
+            ("command", recipe.command.clone()),
+            ("begun", recipe.date.clone()),
+            ("machine", recipe.machine.clone()),
+        ];
+        rows.extend(more.map(|(name, value)| vec![name.to_string(), value]));
+    }
     rows
 }
 

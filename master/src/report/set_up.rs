@@ -10,7 +10,7 @@ use scene::{Fluid, Gauge, Probe, Region, Scene};
 use std::path::{Path, PathBuf};
 
 const WIDTH: f64 = 1100.0;
-const LABELS: (f64, f64) = (48.0, 30.0);
+const LABELS: (f64, f64) = (62.0, 44.0);
 const CAPTION: f64 = 30.0;
 /// Height of a line of the legend, and texts side by side.
 const LINE: f64 = 20.0;
@@ -61,6 +61,8 @@ impl SetUp<'_> {
         axes.configure_mesh()
             .light_line_style(TRANSPARENT)
             .bold_line_style(BLACK.mix(0.08))
+            .x_desc("X [m]")
+            .y_desc("Y [m]")
             .label_style((FAMILY, 13))
             .x_label_formatter(&|value| tick(*value, width))
             .y_label_formatter(&|value| tick(*value, tall))
