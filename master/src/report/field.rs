@@ -12,7 +12,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 const WIDTH: f64 = 1100.0;
 const TITLE: f64 = 24.0;
 const BAR: f64 = 90.0;
-const LABELS: (f64, f64) = (48.0, 26.0);
+const LABELS: (f64, f64) = (62.0, 42.0);
 
 /// One moment.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -164,6 +164,9 @@ fn draw_panel(
     chart
         .configure_mesh()
         .disable_mesh()
+        .x_desc("X [m]")
+        .y_desc("Y [m]")
+        .axis_desc_style((FAMILY, 13))
         .x_labels(6)
         .y_labels(5)
         .label_style((FAMILY, 12))

@@ -63,6 +63,7 @@ impl SetUp<'_> {
             .bold_line_style(BLACK.mix(0.08))
             .x_desc("X [m]")
             .y_desc("Y [m]")
+            .axis_desc_style((FAMILY, 14))
             .label_style((FAMILY, 13))
             .x_label_formatter(&|value| tick(*value, width))
             .y_label_formatter(&|value| tick(*value, tall))

@@ -32,10 +32,10 @@ pub enum Reproduce {
 /// How to run the cabins.
 #[derive(Debug, Clone, PartialEq, clap::Args)]
 pub struct CabinArguments {
-    /// Particle spacing \[m\].
+    /// Particle spacing in metres.
     #[arg(long, default_value_t = 0.01)]
     pub spacing: f64,
-    /// End of each run \[s\].
+    /// End of each run in seconds.
     #[arg(long, default_value_t = 1.5)]
     pub end: f64,
     /// Where the damage is.
@@ -66,13 +66,13 @@ pub struct Common {
 /// How to run everything.
 #[derive(Debug, Clone, PartialEq, clap::Args)]
 pub struct PaperArguments {
-    /// Particle spacing of the cabins \[m\].
+    /// Particle spacing of the cabins in metres.
     #[arg(long, default_value_t = 0.01)]
     pub spacing: f64,
-    /// Particle spacings of the dam break \[m\].
+    /// Particle spacings of the dam break in metres.
     #[arg(long, value_delimiter = ',', default_values_t = [0.004, 0.002, 0.001])]
     pub plate: Vec<f64>,
-    /// Ends of the runs \[s\], for a quick look; missing, as the scenes say.
+    /// Ends of the runs in seconds, for a quick look; missing, as the scenes say.
     #[arg(long)]
     pub end: Option<f64>,
     /// Threads, folder, and what is kept.
@@ -83,10 +83,10 @@ pub struct PaperArguments {
 /// How to run the study of the stiffness.
 #[derive(Debug, Clone, PartialEq, clap::Args)]
 pub struct StudyArguments {
-    /// Particle spacing \[m\].
+    /// Particle spacing in metres.
     #[arg(long, default_value_t = 0.014)]
     pub spacing: f64,
-    /// End of each run \[s\].
+    /// End of each run in seconds.
     #[arg(long, default_value_t = 1.2)]
     pub end: f64,
     /// Runs of each point, with particles displaced differently at the start.
