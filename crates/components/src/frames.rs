@@ -72,8 +72,12 @@ impl Series {
     /// Takes up the frames before `time` that stand in the folder, when this series has written none: the run began in
     /// another process, and goes on here from a saved state.
     pub fn resume(&mut self, time: f64) -> Result<(), Error> {
+        // First, since every iteration of a coupling restores a state.
+        if self.last.is_some() || time <= self.start {
+            return Ok(());
+        }
         let path = self.folder.join(format!("{}.pvd", self.field));
-        if self.last.is_some() || time <= self.start || !path.is_file() {
+        if !path.is_file() {
             return Ok(());
         }
         let text = std::fs::read_to_string(&path).map_err(|error| failed(&path, &error))?;

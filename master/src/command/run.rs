@@ -9,7 +9,7 @@ use crate::pack;
 use crate::participant::Participant;
 use crate::progress::{Progress, Style};
 use crate::record::{Recipe, Status, Summary};
-use crate::report::Short;
+use crate::report::{Short, number};
 use crate::run::Outcome;
 use crate::scene_case::{self, Places};
 use crate::target::Target;
@@ -176,7 +176,6 @@ fn conclude(summary: &Summary, folder: &Path, arguments: &RunArguments) -> ExitC
     if arguments.style() == Style::Bar {
         tell!("{simulated:.6} s simulated in {steps} steps, {wall:.1} s of wall-clock time");
         for (name, check) in &summary.checks {
-            let number = |value: Option<f64>| value.map_or_else(|| "-".to_string(), |value| Short(value).to_string());
             let reference = check.reference.map_or_else(String::new, |value| format!(", reference {}", Short(value)));
             answer!("{name}: {} {}{reference}", number(check.value), check.unit);
         }

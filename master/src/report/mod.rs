@@ -22,4 +22,5 @@ pub use log_chart::LogChart;
 pub use movie::{Window, movie};
 pub use page::run_page;
 pub use set_up::SetUp;
+pub(crate) use text::number;
 pub use text::{Short, markdown};

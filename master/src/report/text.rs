@@ -85,7 +85,7 @@ pub(super) fn verdict(check: &CheckResult) -> String {
 }
 
 /// A number, or a dash where there is none.
-pub(super) fn number(value: Option<f64>) -> String {
+pub(crate) fn number(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_string(), |value| Short(value).to_string())
 }
 
