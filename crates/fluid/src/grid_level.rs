@@ -9,6 +9,8 @@ use crate::parallel;
 const NONE: u32 = u32::MAX;
 /// Weights of the nine fine vertices around a coarse one, and of its own.
 const WEIGHTS: [f32; 9] = [0.25, 0.5, 0.25, 0.5, 1.0, 0.5, 0.25, 0.5, 0.25];
+/// Along one axis, shares of the coarse vertices -1..1 in the value at places -2..2 of the fine grid.
+const SHARES: [[f32; 3]; 5] = [[1.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.5, 0.5], [0.0, 0.0, 1.0]];
 
 /// Moments of the particles in a cell, with local coordinates (a, b) in 0..1.
 #[derive(Debug, Clone, Copy, Default)]
@@ -37,19 +39,6 @@ impl Moments {
         self.sab += s * a * b;
     }
 
-    /// Adds a child cell at place (x, y) in {0, 1}^2 of this cell: a_parent = (a + x) / 2.
-    pub fn add_child(&mut self, child: &Moments, x: f64, y: f64) {
-        self.count += child.count;
-        self.a += 0.5 * (child.a + x * child.count);
-        self.b += 0.5 * (child.b + y * child.count);
-        self.aa += 0.25 * (child.aa + 2.0 * x * child.a + x * x * child.count);
-        self.bb += 0.25 * (child.bb + 2.0 * y * child.b + y * y * child.count);
-        self.s += child.s;
-        self.sa += 0.5 * (child.sa + x * child.s);
-        self.sb += 0.5 * (child.sb + y * child.s);
-        self.sab += 0.25 * (child.sab + x * child.sb + y * child.sa + x * y * child.s);
-    }
-
     /// Contribution to the operator between corner `k` and all corners (k = x + 2 y), without kappa / H^2.
     pub fn stiffness(&self, k: usize) -> [f64; 4] {
         let along_b = [self.count - 2.0 * self.b + self.bb, self.b - self.bb, self.bb];
@@ -74,8 +63,6 @@ pub struct Level {
     rows: usize,
     /// Place of each cell in the full grid, ascending.
     pub cells: Vec<u32>,
-    /// Moments of each cell.
-    pub moments: Vec<Moments>,
     /// Vertices at the corners of each cell, k = x + 2 y.
     pub corners: Vec<[u32; 4]>,
     /// Cells around each vertex, k = x + 2 y; the number of cells for none.
@@ -114,10 +101,7 @@ impl Level {
                 self.cells.push(cell as u32);
             }
         }
-        self.moments.clear();
-        self.moments.resize(self.cells.len(), Moments::default());
         self.number_vertices();
-        self.find_cells_around(map);
     }
 
     fn number_vertices(&mut self) {
@@ -125,7 +109,7 @@ impl Level {
         self.map.clear();
         self.map.resize(width * (self.rows + 1), NONE);
         let corners = |cell: u32| {
-            let (x, y) = (cell as usize % self.columns, cell as usize / self.columns);
+            let (x, y) = place(cell, self.columns);
             let first = y * width + x;
             [first, first + 1, first + width, first + width + 1]
         };
@@ -141,12 +125,13 @@ impl Level {
         self.corners.extend(self.cells.iter().map(|&cell| corners(cell).map(|vertex| self.map[vertex])));
     }
 
-    fn find_cells_around(&mut self, map: &[u32]) {
+    /// Finds the cells around each vertex; `map` is what [`Level::lay_out`] returned.
+    pub fn find_cells_around(&mut self, map: &[u32]) {
         let (columns, rows, none) = (self.columns, self.rows, self.cells.len() as u32);
         self.cells_around.resize(self.vertices.len(), [0; 4]);
         let vertices = &self.vertices;
         parallel::fill(&mut self.cells_around, |v| {
-            let (x, y) = (vertices[v] as usize % (columns + 1), vertices[v] as usize / (columns + 1));
+            let (x, y) = place(vertices[v], columns + 1);
             std::array::from_fn(|k| {
                 let (cx, cy) = ((x + (k & 1)).wrapping_sub(1), (y + (k >> 1)).wrapping_sub(1));
                 if cx < columns && cy < rows { map[cy * columns + cx].min(none) } else { none }
@@ -154,21 +139,17 @@ impl Level {
         });
     }
 
-    /// The level of half as many cells each way, with the moments of this one's.
+    /// The level of half as many cells each way.
     pub fn coarsen_into(&mut self, coarse: &mut Level, map: &mut Vec<u32>, marks: &mut Vec<bool>) {
         let (columns, rows) = (self.columns.div_ceil(2), self.rows.div_ceil(2));
         let parent = |cell: u32| {
-            let (x, y) = (cell as usize % self.columns, cell as usize / self.columns);
-            ((y / 2) * columns + x / 2, (x % 2) as f64, (y % 2) as f64)
+            let (x, y) = place(cell, self.columns);
+            (y / 2) * columns + x / 2
         };
         marks.clear();
         marks.resize(columns * rows, false);
-        self.cells.iter().for_each(|&cell| marks[parent(cell).0] = true);
+        self.cells.iter().for_each(|&cell| marks[parent(cell)] = true);
         coarse.lay_out(columns, rows, |cell| marks[cell], map);
-        for (&cell, moments) in self.cells.iter().zip(&self.moments) {
-            let (place, x, y) = parent(cell);
-            coarse.moments[map[place] as usize].add_child(moments, x, y);
-        }
         self.find_relatives(coarse);
     }
 
@@ -177,7 +158,7 @@ impl Level {
         self.parents.resize(self.vertices.len(), [0; 4]);
         let (vertices, map) = (&self.vertices, &coarse.map);
         parallel::fill(&mut self.parents, |v| {
-            let (x, y) = (vertices[v] as usize % width, vertices[v] as usize / width);
+            let (x, y) = place(vertices[v], width);
             let at = |cx: usize, cy: usize| map[cy * coarse_width + cx];
             let (x0, x1, y0, y1) = (x / 2, x.div_ceil(2), y / 2, y.div_ceil(2));
             [at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1)]
@@ -187,22 +168,15 @@ impl Level {
         let (columns, rows, map) = (self.columns, self.rows, &self.map);
         let vertices = &coarse.vertices;
         parallel::fill(&mut coarse.children, |v| {
-            let (x, y) = (2 * (vertices[v] as usize % coarse_width), 2 * (vertices[v] as usize / coarse_width));
-            neighbours(map, columns, rows, x, y, none)
+            let (x, y) = place(vertices[v], coarse_width);
+            neighbours(map, columns, rows, 2 * x, 2 * y, none)
         });
     }
 
-    /// Assembles the operator; `scale` is kappa / H^2.
-    pub fn assemble(&mut self, scale: f64) {
-        let (columns, rows, none) = (self.columns, self.rows, self.vertices.len() as u32);
-        let (map, vertices, cells_around, moments) = (&self.map, &self.vertices, &self.cells_around, &self.moments);
-        self.around.resize(vertices.len(), [0; 9]);
-        self.stencil.resize(vertices.len(), [0.0; 9]);
-        self.inverse.resize(vertices.len(), 0.0);
-        parallel::fill(&mut self.around, |v| {
-            let (x, y) = (vertices[v] as usize % (columns + 1), vertices[v] as usize / (columns + 1));
-            neighbours(map, columns, rows, x, y, none)
-        });
+    /// Assembles the operator from the moments of the cells; `scale` is kappa / H^2.
+    pub fn assemble(&mut self, moments: &[Moments], scale: f64) {
+        let cells_around = &self.cells_around;
+        self.stencil.resize(cells_around.len(), [0.0; 9]);
         parallel::fill(&mut self.stencil, |v| {
             let mut entries = [0.0; 9];
             for (place, &cell) in cells_around[v].iter().enumerate() {
@@ -216,7 +190,45 @@ impl Level {
             }
             entries.map(|value| value as f32)
         });
-        let stencil = &self.stencil;
+        self.complete();
+    }
+
+    /// The Galerkin product of the finer level's operator with bilinear interpolation.
+    pub fn assemble_from(&mut self, fine: &Level) {
+        let children = &self.children;
+        self.stencil.resize(children.len(), [0.0; 9]);
+        parallel::fill(&mut self.stencil, |v| {
+            // Rows of the children, by places -2..2 of the fine grid around this vertex.
+            let mut rows = [[0.0_f32; 5]; 5];
+            for (k, (&child, weight)) in children[v].iter().zip(WEIGHTS).enumerate() {
+                let Some(entries) = fine.stencil.get(child as usize) else { continue };
+                for (m, value) in entries.iter().enumerate() {
+                    rows[k / 3 + m / 3][k % 3 + m % 3] += weight * value;
+                }
+            }
+            let mut entries = [0.0; 9];
+            for (y, row) in rows.iter().enumerate() {
+                for (x, value) in row.iter().enumerate() {
+                    for (m, entry) in entries.iter_mut().enumerate() {
+                        *entry += value * SHARES[x][m % 3] * SHARES[y][m / 3];
+                    }
+                }
+            }
+            entries
+        });
+        self.complete();
+    }
+
+    /// Who is around each vertex, and the damped inverse of the diagonal.
+    fn complete(&mut self) {
+        let (columns, rows, none) = (self.columns, self.rows, self.vertices.len() as u32);
+        let (map, vertices, stencil) = (&self.map, &self.vertices, &self.stencil);
+        self.around.resize(vertices.len(), [0; 9]);
+        self.inverse.resize(vertices.len(), 0.0);
+        parallel::fill(&mut self.around, |v| {
+            let (x, y) = place(vertices[v], columns + 1);
+            neighbours(map, columns, rows, x, y, none)
+        });
         parallel::fill(&mut self.inverse, |v| if stencil[v][4] > 0.0 { SMOOTHING / stencil[v][4] } else { 0.0 });
     }
 
@@ -272,6 +284,11 @@ impl Level {
             }
         }
     }
+}
+
+/// Column and row of a cell or vertex in rows of `width`.
+fn place(number: u32, width: usize) -> (usize, usize) {
+    (number as usize % width, number as usize / width)
 }
 
 /// Numbers of the vertices around (x, y), `none` where there is none.

@@ -164,14 +164,6 @@ impl Matrix {
         parallel::total(partial)
     }
 
-    /// A x.
-    pub fn product<const K: usize>(&self, x: &[[f64; K]], out: &mut [[f64; K]], partial: &mut Vec<[f64; K]>) {
-        self.pass(x, out, partial, |row, sums: [f64; K], out| {
-            *out = std::array::from_fn(|k| self.diagonal[row] * x[row][k] - sums[k]);
-            [0.0; K]
-        });
-    }
-
     /// Position of the particle of each row.
     pub fn gather_positions(&self, positions: &[Vector2<f64>], out: &mut Vec<Vector2<f64>>) {
         out.clear();

@@ -8,11 +8,12 @@
 //!
 //! with kappa = 1/4 sum_j w_ij r_ij^2 (its lattice value) and s_i the row sum of the fine matrix, non-zero beside the
 //! free surface only (lumped). Bilinear gradients need five moments per cell, so the operator costs one pass over the
-//! particles; coarser levels shift the moments. One V(1,1) cycle with damped Jacobi smoothing is symmetric and
+//! particles. Coarser levels have the Galerkin product of this one: the quadrature there as well needs a third more
+//! iterations. One V(1,1) cycle with damped Jacobi smoothing is symmetric and
 //! positive, as conjugate gradients require. It works in single precision: only its direction matters.
 
 use crate::grid::bounding_box;
-use crate::grid_level::Level;
+use crate::grid_level::{Level, Moments};
 use crate::matrix::Matrix;
 use crate::parallel::{self, CHUNK};
 use nalgebra::{Cholesky, DMatrix, Dyn, Vector2};
@@ -37,6 +38,8 @@ pub struct Multigrid {
     /// Cell of each particle, and where in it, in 0..1.
     cell_of: Vec<u32>,
     local: Vec<[f32; 2]>,
+    /// Moments of the particles of each cell.
+    moments: Vec<Moments>,
     place_of: Vec<u32>,
     counts: Vec<u32>,
     map: Vec<u32>,
@@ -69,18 +72,17 @@ impl Multigrid {
         let size = CELL * spacing;
         self.bin(points, spacing, size);
         self.collect_moments(matrix);
-        loop {
-            let cell = size * 2f64.powi(self.depth as i32);
-            self.levels[self.depth].assemble(kappa / (cell * cell));
-            self.depth += 1;
-            if self.levels[self.depth - 1].size() <= DIRECT {
-                break;
-            }
+        self.levels[0].assemble(&self.moments, kappa / (size * size));
+        self.depth = 1;
+        while self.levels[self.depth - 1].size() > DIRECT {
             if self.levels.len() == self.depth {
                 self.levels.push(Level::default());
             }
-            let (fine, coarse) = self.levels.split_at_mut(self.depth);
-            fine[self.depth - 1].coarsen_into(&mut coarse[0], &mut self.map, &mut self.marks);
+            let (finer, coarser) = self.levels.split_at_mut(self.depth);
+            let (fine, coarse) = (&mut finer[self.depth - 1], &mut coarser[0]);
+            fine.coarsen_into(coarse, &mut self.map, &mut self.marks);
+            coarse.assemble_from(fine);
+            self.depth += 1;
         }
         self.direct = factorise(&self.levels[self.depth - 1], self.direct.take());
     }
@@ -111,6 +113,7 @@ impl Multigrid {
         }
         let counts = &self.counts;
         self.levels[0].lay_out(columns, rows, |cell| counts[cell] > 0, &mut self.map);
+        self.levels[0].find_cells_around(&self.map);
         self.order_by_cell();
     }
 
@@ -136,8 +139,9 @@ impl Multigrid {
 
     fn collect_moments(&mut self, matrix: &Matrix) {
         let (starts, order, local) = (&self.starts, &self.order, &self.local);
-        parallel::fill(&mut self.levels[0].moments, |cell| {
-            let mut moments = crate::grid_level::Moments::default();
+        self.moments.resize(self.levels[0].cells.len(), Moments::default());
+        parallel::fill(&mut self.moments, |cell| {
+            let mut moments = Moments::default();
             for &row in &order[starts[cell] as usize..starts[cell + 1] as usize] {
                 let [a, b] = local[row as usize].map(f64::from);
                 moments.add(a, b, matrix.row_sums[row as usize]);

@@ -39,15 +39,55 @@ impl<const K: usize> ConjugateGradient<K> {
         x: &mut [[f64; K]],
         parameters: &SolveParameters,
     ) -> Outcome {
-        let size = b.len();
-        self.resize(size);
-        let norm = parallel::sums(size, &mut self.partial, |i| b[i].map(|value| value * value)).map(f64::sqrt);
+        let norm = self.begin(b);
         if norm == [0.0; K] {
             x.fill([0.0; K]);
             return Outcome::default();
         }
-        let scale = norm.map(|norm| if norm > 0.0 { 1.0 / norm } else { 0.0 });
-        let mut squares = self.start(matrix, b, x, &norm, &scale);
+        let scale = inverse(&norm);
+        let squares = self.start(matrix, b, x, &norm, &scale);
+        self.iterate(matrix, preconditioner, x, squares, &scale, parameters)
+    }
+
+    /// The same without a guess, whatever stands in `x`.
+    pub fn solve_from_zero(
+        &mut self,
+        matrix: &Matrix,
+        preconditioner: &Multigrid,
+        b: &[[f64; K]],
+        x: &mut [[f64; K]],
+        parameters: &SolveParameters,
+    ) -> Outcome {
+        let norm = self.begin(b);
+        x.fill([0.0; K]);
+        if norm == [0.0; K] {
+            return Outcome::default();
+        }
+        let scale = inverse(&norm);
+        self.residual.copy_from_slice(b);
+        self.smooth(matrix, &scale);
+        self.iterate(matrix, preconditioner, x, norm.map(|norm| norm * norm), &scale, parameters)
+    }
+
+    /// Makes room; returns |b|. With b = 0 everywhere nothing is left.
+    fn begin(&mut self, b: &[[f64; K]]) -> [f64; K] {
+        self.resize(b.len());
+        let norm = parallel::sums(b.len(), &mut self.partial, |i| b[i].map(|value| value * value)).map(f64::sqrt);
+        if norm == [0.0; K] {
+            self.residual.fill([0.0; K]);
+        }
+        norm
+    }
+
+    fn iterate(
+        &mut self,
+        matrix: &Matrix,
+        preconditioner: &Multigrid,
+        x: &mut [[f64; K]],
+        mut squares: [f64; K],
+        scale: &[f64; K],
+        parameters: &SolveParameters,
+    ) -> Outcome {
         let mut rho = [0.0; K];
         for iteration in 0..=parameters.maximum_iterations {
             let left: [f64; K] = std::array::from_fn(|k| squares[k].sqrt() * scale[k]);
@@ -57,14 +97,19 @@ impl<const K: usize> ConjugateGradient<K> {
                 return Outcome { iterations: iteration, residual };
             }
             let going: [bool; K] = std::array::from_fn(|k| left[k] > parameters.tolerance);
-            let next = self.precondition(matrix, preconditioner, &scale);
+            let next = self.precondition(matrix, preconditioner, scale);
             let beta = std::array::from_fn(|k| if iteration > 0 && going[k] { next[k] / rho[k] } else { 0.0 });
             rho = next;
             let curvature = self.turn(matrix, &beta);
             let alpha = std::array::from_fn(|k| if going[k] { rho[k] / curvature[k] } else { 0.0 });
-            squares = self.advance(matrix, x, &alpha, &scale);
+            squares = self.advance(matrix, x, &alpha, scale);
         }
         Outcome { iterations: parameters.maximum_iterations, residual: f64::NAN }
+    }
+
+    /// b - A x of the last solve.
+    pub fn residual(&self) -> &[[f64; K]] {
+        &self.residual
     }
 
     fn resize(&mut self, size: usize) {
@@ -93,9 +138,14 @@ impl<const K: usize> ConjugateGradient<K> {
             *residual = std::array::from_fn(|k| b[row][k] - (matrix.diagonal[row] * x[row][k] - sums[k]));
             residual.map(|value| value * value)
         });
+        self.smooth(matrix, scale);
+        squares
+    }
+
+    /// The first smoothing of the residual.
+    fn smooth(&mut self, matrix: &Matrix, scale: &[f64; K]) {
         let residual = &self.residual;
         parallel::fill(&mut self.smoothed, |row| smooth(&residual[row], scale, matrix.diagonal[row]));
-        squares
     }
 
     /// M^-1 r / |b|, one V-cycle between two smoothings; returns r . M^-1 r / |b|.
@@ -164,6 +214,11 @@ impl ConjugateGradient<1> {
     ) -> Outcome {
         self.solve(matrix, preconditioner, b.as_chunks().0, x.as_chunks_mut().0, parameters)
     }
+}
+
+/// 1 over each norm, 0 where there is none.
+fn inverse<const K: usize>(norm: &[f64; K]) -> [f64; K] {
+    norm.map(|norm| if norm > 0.0 { 1.0 / norm } else { 0.0 })
 }
 
 /// One damped Jacobi step from zero.

@@ -32,18 +32,19 @@ pub struct MovingFacet {
     pub wall: WallFacet,
 }
 
-/// Unit responses that are solved for at once.
-const WIDTH: usize = 4;
+/// Unit responses that are solved for at once, and how many at the end take a smaller block of their own.
+const WIDE: usize = 4;
+const NARROW: usize = 2;
 
-/// The systems of up to `WIDTH` active coordinates, side by side; what is left over is zero.
+/// The systems of up to `K` active coordinates, side by side; what is left over is zero.
 #[derive(Debug, Clone, Default)]
-struct Block {
-    right: Vec<[f64; WIDTH]>,
+struct Block<const K: usize> {
+    /// Coordinates, none for a block that is not there.
+    coordinates: Vec<usize>,
+    right: Vec<[f64; K]>,
     /// Pressure for a unit acceleration of each coordinate \[Pa s2/m, Pa s2, modal\].
-    pressure: Vec<[f64; WIDTH]>,
-    product: Vec<[f64; WIDTH]>,
-    solver: ConjugateGradient<WIDTH>,
-    partial: Vec<[f64; WIDTH]>,
+    pressure: Vec<[f64; K]>,
+    solver: ConjugateGradient<K>,
 }
 
 /// The facets on moving walls with their work, and what the water answers to unit accelerations.
@@ -60,9 +61,10 @@ pub struct Responses {
     size: usize,
     /// Coordinates that answer to the load.
     active: Vec<usize>,
-    blocks: Vec<Block>,
-    answer: DMatrix<f64>,
-    near: DMatrix<f64>,
+    wide: Vec<Block<WIDE>>,
+    narrow: Block<NARROW>,
+    partial: Vec<[f64; WIDE * WIDE]>,
+    mass: DMatrix<f64>,
     /// Added mass of all coordinates, row after row; zero where one of the two is not active.
     pub added_mass: Vec<f64>,
     /// Iterations of the solver that the unit responses took.
@@ -114,95 +116,144 @@ impl Responses {
     pub fn solve(&mut self, setting: &Setting, matrix: &Matrix, multigrid: &Multigrid) {
         let (active, density) = (&setting.geometry.active, setting.parameters.density);
         self.active.clone_from(active);
-        self.iterations = 0;
         let parameters = &setting.parameters.solve;
         let parameters = SolveParameters { tolerance: TOLERANCE.max(parameters.tolerance), ..parameters.clone() };
-        let mut blocks = std::mem::take(&mut self.blocks);
-        blocks.resize_with(active.len().div_ceil(WIDTH), Block::default);
-        for (block, coordinates) in blocks.iter_mut().zip(active.chunks(WIDTH)) {
-            block.clear(matrix.size());
-            for (facet, work) in self.facets_with_work() {
-                let right = &mut block.right[facet.particle as usize];
-                for (right, &coordinate) in right.iter_mut().zip(coordinates) {
-                    *right -= density * facet.wall.facet.length() * work[coordinate];
-                }
-            }
-            let Block { right, pressure, product, solver, partial } = block;
-            self.iterations += solver.solve(matrix, multigrid, right, pressure, &parameters).iterations;
-            matrix.product(pressure, product, partial);
+        let Self { facets, work, size, wide, narrow, .. } = self;
+        let loaded = || facets.iter().zip(work.chunks_exact((*size).max(1)));
+        let system = System { matrix, multigrid, parameters: &parameters };
+        let rest = active.len() % WIDE;
+        let (most, last) = active.split_at(active.len() - if rest <= NARROW { rest } else { 0 });
+        wide.resize_with(most.len().div_ceil(WIDE), Block::default);
+        self.iterations = 0;
+        for (block, coordinates) in wide.iter_mut().zip(most.chunks(WIDE)) {
+            self.iterations += block.solve(loaded(), density, coordinates, &system);
         }
-        self.blocks = blocks;
+        self.iterations += narrow.solve(loaded(), density, last, &system);
         self.find_added_mass(density);
     }
 
-    /// M from the unit responses, corrected by their residuals: its error is the square of theirs.
+    /// M from the unit responses, corrected by their residuals r = b - A P to an error of the square of theirs: the work of
+    /// P_k is that of b_l . P_k + P_l . r_k.
     fn find_added_mass(&mut self, density: f64) {
-        let mut answer = clean(&mut self.answer, self.active.len());
-        for column in 0..self.blocks.len() {
-            // The partial sums move out so that this block can be compared with all.
-            let mut partial = std::mem::take(&mut self.blocks[column].partial);
-            for row in 0..self.active.len() {
-                let (left, lane) = (&self.blocks[row / WIDTH], row % WIDTH);
-                let block = &self.blocks[column];
-                let sums = parallel::sums(block.right.len(), &mut partial, |i| {
-                    let (right, pressure, product) = (&block.right[i], &block.pressure[i], &block.product[i]);
-                    std::array::from_fn(|k| {
-                        left.right[i][lane] * pressure[k] + left.pressure[i][lane] * (right[k] - product[k])
-                    })
-                });
-                for (k, sum) in sums.into_iter().enumerate().take(self.active.len() - column * WIDTH) {
-                    answer[(row, column * WIDTH + k)] = sum;
-                }
-            }
-            self.blocks[column].partial = partial;
+        let mut mass = std::mem::take(&mut self.mass);
+        if mass.nrows() != self.size {
+            mass = DMatrix::zeros(self.size, self.size);
         }
+        mass.fill(0.0);
+        for (facet, work) in self.facets_with_work() {
+            let length = facet.wall.facet.length();
+            for &column in &self.active {
+                let rise = density * facet.wall.facet.height * work[column];
+                self.active.iter().for_each(|&row| mass[(row, column)] += length * work[row] * rise);
+            }
+            for block in &self.wide {
+                block.add_work(facet, work, &self.active, &mut mass);
+            }
+            self.narrow.add_work(facet, work, &self.active, &mut mass);
+        }
+        let mut partial = std::mem::take(&mut self.partial);
+        for block in &self.wide {
+            self.wide.iter().for_each(|other| block.add_rest(other, density, &mut partial, &mut mass));
+            block.add_rest(&self.narrow, density, &mut partial, &mut mass);
+            self.narrow.add_rest(block, density, &mut partial, &mut mass);
+        }
+        self.narrow.add_rest(&self.narrow, density, &mut partial, &mut mass);
+        self.partial = partial;
         self.added_mass.clear();
         self.added_mass.resize(self.size * self.size, 0.0);
-        let mut near = clean(&mut self.near, self.active.len());
-        for (facet, work) in self.facets_with_work() {
-            let weight = density * facet.wall.facet.length() * facet.wall.facet.height;
-            for (k, &column) in self.active.iter().enumerate() {
-                for (l, &row) in self.active.iter().enumerate() {
-                    near[(l, k)] += weight * work[row] * work[column];
-                }
+        for &column in &self.active {
+            for &row in &self.active {
+                self.added_mass[row * self.size + column] = 0.5 * (mass[(row, column)] + mass[(column, row)]);
             }
         }
-        for (k, &column) in self.active.iter().enumerate() {
-            for (l, &row) in self.active.iter().enumerate() {
-                let symmetric = 0.5 * (answer[(l, k)] + answer[(k, l)]) / density;
-                self.added_mass[row * self.size + column] = near[(l, k)] + symmetric;
-            }
-        }
-        (self.answer, self.near) = (answer, near);
+        self.mass = mass;
     }
 
     /// Adds the pressure that the accelerations `change` of all coordinates cause.
     pub fn add(&self, change: &DVector<f64>, pressures: &mut [f64]) {
-        for (block, coordinates) in self.blocks.iter().zip(self.active.chunks(WIDTH)) {
-            let mut factors = [0.0; WIDTH];
-            factors.iter_mut().zip(coordinates).for_each(|(factor, &coordinate)| *factor = change[coordinate]);
-            parallel::update(pressures, |i, old| {
-                old + factors.iter().zip(&block.pressure[i]).map(|(factor, unit)| factor * unit).sum::<f64>()
-            });
-        }
+        self.wide.iter().for_each(|block| block.add(change, pressures));
+        self.narrow.add(change, pressures);
     }
 }
 
-/// Takes a matrix out of its place as zeros of the given size.
-fn clean(matrix: &mut DMatrix<f64>, size: usize) -> DMatrix<f64> {
-    let mut taken = std::mem::take(matrix);
-    if taken.nrows() != size {
-        taken = DMatrix::zeros(size, size);
-    }
-    taken.fill(0.0);
-    taken
+/// What the unit responses are solved with.
+struct System<'a> {
+    matrix: &'a Matrix,
+    multigrid: &'a Multigrid,
+    parameters: &'a SolveParameters,
 }
 
-impl Block {
-    fn clear(&mut self, size: usize) {
-        for vector in [&mut self.right, &mut self.pressure, &mut self.product] {
-            vector.clear();
-            vector.resize(size, [0.0; WIDTH]);
+impl<const K: usize> Block<K> {
+    /// Solves for the responses to `coordinates`, given the facets on moving walls with their work; returns iterations.
+    fn solve<'a>(
+        &mut self,
+        facets: impl Iterator<Item = (&'a MovingFacet, &'a [f64])>,
+        density: f64,
+        coordinates: &[usize],
+        system: &System,
+    ) -> usize {
+        self.coordinates.clear();
+        self.coordinates.extend(coordinates);
+        if coordinates.is_empty() {
+            return 0;
         }
+        let Self { right, pressure, solver, .. } = self;
+        right.clear();
+        right.resize(system.matrix.size(), [0.0; K]);
+        pressure.resize(right.len(), [0.0; K]);
+        for (facet, work) in facets {
+            let right = &mut right[facet.particle as usize];
+            for (right, &coordinate) in right.iter_mut().zip(coordinates) {
+                *right -= density * facet.wall.facet.length() * work[coordinate];
+            }
+        }
+        solver.solve_from_zero(system.matrix, system.multigrid, right, pressure, system.parameters).iterations
+    }
+
+    /// Adds what the unit pressures do on a facet.
+    fn add_work(&self, facet: &MovingFacet, work: &[f64], active: &[usize], mass: &mut DMatrix<f64>) {
+        let length = facet.wall.facet.length();
+        for (k, &column) in self.coordinates.iter().enumerate() {
+            let force = length * self.pressure[facet.particle as usize][k];
+            active.iter().for_each(|&row| mass[(row, column)] -= work[row] * force);
+        }
+    }
+
+    /// Adds P_l . r_k / rho for the coordinates l of this block and k of another.
+    fn add_rest<const L: usize>(
+        &self,
+        other: &Block<L>,
+        density: f64,
+        partial: &mut Vec<[f64; WIDE * WIDE]>,
+        mass: &mut DMatrix<f64>,
+    ) {
+        if self.coordinates.is_empty() || other.coordinates.is_empty() {
+            return;
+        }
+        let (pressure, residual) = (&self.pressure, other.solver.residual());
+        let sums = parallel::sums(pressure.len(), partial, |i| {
+            let mut terms = [0.0; WIDE * WIDE];
+            for (l, pressure) in pressure[i].iter().enumerate() {
+                let row = &mut terms[l * WIDE..(l + 1) * WIDE];
+                row.iter_mut().zip(&residual[i]).for_each(|(term, rest)| *term = pressure * rest);
+            }
+            terms
+        });
+        for (l, &row) in self.coordinates.iter().enumerate() {
+            for (k, &column) in other.coordinates.iter().enumerate() {
+                mass[(row, column)] += sums[l * WIDE + k] / density;
+            }
+        }
+    }
+
+    fn add(&self, change: &DVector<f64>, pressures: &mut [f64]) {
+        if self.coordinates.is_empty() {
+            return;
+        }
+        let mut factors = [0.0; K];
+        factors.iter_mut().zip(&self.coordinates).for_each(|(factor, &coordinate)| *factor = change[coordinate]);
+        parallel::update(pressures, |i, old| {
+            old + factors.iter().zip(&self.pressure[i]).map(|(factor, unit)| factor * unit).sum::<f64>()
+        });
     }
 }

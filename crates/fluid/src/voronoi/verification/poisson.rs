@@ -51,9 +51,11 @@ fn the_matrix_is_symmetric_and_positive() {
         let mut noise = Noise::new(19);
         for _ in 0..20 {
             let x: Vec<f64> = (0..matrix.size()).map(|_| noise.next()).collect();
-            let mut product = vec![[0.0]; x.len()];
-            matrix.product(x.as_chunks::<1>().0, &mut product, &mut Vec::new());
-            let energy: f64 = x.iter().zip(&product).map(|(x, [product])| x * product).sum();
+            let product = |row: usize| {
+                let others = matrix.entries(row).map(|entry| f64::from(entry.weight) * x[entry.column as usize]);
+                matrix.diagonal[row] * x[row] - others.sum::<f64>()
+            };
+            let energy: f64 = (0..x.len()).map(|row| x[row] * product(row)).sum();
             assert!(energy > 0.0, "{order:?}: x A x = {energy}");
         }
     }
