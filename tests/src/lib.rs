@@ -2,7 +2,6 @@
 //!
 //! It shares no code with the bundled master, so that a mistake in one does not hide a mistake in the other.
 
-pub mod fuzz;
 pub mod library;
 mod slave;
 

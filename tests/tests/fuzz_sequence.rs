@@ -7,7 +7,7 @@
 use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
 use fmi2::ffi::{self, Status, StatusKind};
 use fmi2::{Component, describe};
-use plimsoll_tests::{Library, Slave, fuzz, resources, root};
+use plimsoll_tests::{Library, Slave, resources, root};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use std::cell::Cell;
@@ -329,7 +329,7 @@ fn sequences<C: Component>(name: &str, scenes: &'static [(&'static str, &'static
     let library = Library::load(name).unwrap();
     let counts = [Cell::new(0), Cell::new(0)];
     let calls = prop::collection::vec((0..KINDS, any::<u8>(), any::<u8>(), any::<u8>()), 1..40);
-    let outcome = TestRunner::new(fuzz::config(cases)).run(&calls, |calls| {
+    let outcome = TestRunner::new(fuzzing::config(cases)).run(&calls, |calls| {
         let mut world = World::new::<C>(&library, scenes);
         for call in calls {
             world.slave.messages();

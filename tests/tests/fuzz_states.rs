@@ -8,7 +8,7 @@
 use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
 use fmi2::ffi::{Status, StatusKind};
 use fmi2::{Component, describe};
-use plimsoll_tests::{Library, Slave, State, fuzz, real_outputs, resources};
+use plimsoll_tests::{Library, Slave, State, real_outputs, resources};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::TestRunner;
@@ -164,7 +164,7 @@ fn damage<C: Component>(name: &str, other: &str, cases: u32, scenes: &[Case], se
     let outputs = real_outputs(&C::model(DEFAULT_MODES));
     let counts = [Cell::new(0), Cell::new(0)];
     let strategy = (any::<Index>(), any::<Index>(), changes());
-    let outcome = TestRunner::new(fuzz::config(cases)).run(&strategy, |(which, slave, changes)| {
+    let outcome = TestRunner::new(fuzzing::config(cases)).run(&strategy, |(which, slave, changes)| {
         let original = &donors[which.index(donors.len())];
         let slave = &slaves[slave.index(slaves.len())];
         let (clock, mut bytes) = (Instant::now(), original.clone());
@@ -192,7 +192,7 @@ fn damage<C: Component>(name: &str, other: &str, cases: u32, scenes: &[Case], se
         prop_assert_eq!(slave.restore(&before), Status::OK, "{:?}", slave.messages());
         prop_assert_eq!(slave.free(before), Status::OK);
         let seconds = clock.elapsed().as_secs_f64();
-        let memory = fuzz::memory("VmHWM").unwrap_or(0);
+        let memory = fuzzing::memory("VmHWM").unwrap_or(0);
         prop_assert!(seconds < 30.0 && memory < MOST_MEMORY, "{seconds} s, {memory} kB");
         Ok(())
     });
@@ -201,7 +201,7 @@ fn damage<C: Component>(name: &str, other: &str, cases: u32, scenes: &[Case], se
     for slave in &slaves {
         assert_eq!(slave.step(4.0 * STEP, STEP), Status::OK, "{:?}", slave.messages());
     }
-    let memory = fuzz::memory("VmHWM").unwrap_or(0);
+    let memory = fuzzing::memory("VmHWM").unwrap_or(0);
     assert!(memory < MOST_MEMORY, "{memory} kB");
     let counts = counts.map(|count| count.get());
     println!("{name}, sealed {sealed}: {} refused, {} taken, at most {memory} kB", counts[0], counts[1]);

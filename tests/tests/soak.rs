@@ -5,7 +5,7 @@
 use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
 use fmi2::ffi::Status;
 use fmi2::{Component, describe};
-use plimsoll_tests::{Library, Slave, fuzz, real_outputs, resources};
+use plimsoll_tests::{Library, Slave, real_outputs, resources};
 
 /// Steps between two saved states.
 const BETWEEN: usize = 100;
@@ -51,10 +51,10 @@ fn soak<C: Component>(slave: &Slave, steps: usize, step: f64, look: impl Fn(&Sla
         }
         assert_eq!(slave.step(time, step), Status::OK, "{:?}", slave.messages());
         if number + 1 == steps / 10 {
-            memory[0] = fuzz::memory("VmRSS").unwrap_or(0);
+            memory[0] = fuzzing::memory("VmRSS").unwrap_or(0);
         }
     }
-    memory[1] = fuzz::memory("VmRSS").unwrap_or(0);
+    memory[1] = fuzzing::memory("VmRSS").unwrap_or(0);
     memory
 }
 

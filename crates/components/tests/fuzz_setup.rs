@@ -1,13 +1,11 @@
 //! Scenes that the scene file allows with numbers that nobody would write: setting them up gives finite particles and
 //! numbers, or an error with a message; it does not panic, and does not fill the memory.
-//!
-//! `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use components::{conversion, fluid_set_up, structure_set_up};
 use proptest::prelude::*;
 use proptest::sample::Index;
-use proptest::test_runner::{RngSeed, TestRunner};
+use proptest::test_runner::TestRunner;
 use scene::Scene;
 use std::cell::Cell;
 use std::path::Path;
@@ -19,24 +17,9 @@ const MOST_MEMORY: u64 = 400_000;
 /// Particles up to which a scene is set up here.
 const MOST_PARTICLES: f64 = 3000.0;
 
-fn number(variable: &str, otherwise: u64) -> u64 {
-    std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
-}
-
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases: cases * number("PLIMSOLL_FUZZ_FACTOR", 1) as u32,
-        rng_seed: RngSeed::Fixed(number("PLIMSOLL_FUZZ_SEED", 1)),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
-
 /// Largest memory of this process so far \[kB\]; 0 where the system does not say.
 fn most_memory() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find(|line| line.starts_with("VmHWM"));
-    line.and_then(|line| line.split_whitespace().nth(1)?.parse().ok()).unwrap_or(0)
+    fuzzing::memory("VmHWM").unwrap_or(0)
 }
 
 /// Area of the water over the square of the spacing.
@@ -118,7 +101,7 @@ fn scenes_with_odd_numbers_are_set_up_or_refused() {
     let bases = bases();
     let [sound, refused, unread] = [Cell::new(0), Cell::new(0), Cell::new(0)];
     let strategy = (any::<Index>(), prop::collection::vec((any::<Index>(), any::<Index>()), 1..4));
-    let outcome = TestRunner::new(config(1500)).run(&strategy, |(which, changes)| {
+    let outcome = TestRunner::new(fuzzing::config(1500)).run(&strategy, |(which, changes)| {
         let (text, paths) = &bases[which.index(bases.len())];
         let change = |(path, value): &(Index, Index)| {
             (paths[path.index(paths.len())].clone(), NUMBERS[value.index(NUMBERS.len())].to_string())

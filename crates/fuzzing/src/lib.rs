@@ -1,4 +1,6 @@
 //! What the fuzz tests and the soak share: cases that repeat from run to run, and how much memory this process has.
+//!
+//! `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
 
 use proptest::test_runner::{Config, RngSeed};
 
@@ -6,7 +8,7 @@ fn number(variable: &str, otherwise: u64) -> u64 {
     std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
 }
 
-/// This many cases, always the same. `PLIMSOLL_FUZZ_FACTOR` multiplies their number, `PLIMSOLL_FUZZ_SEED` picks others.
+/// This many cases, always the same.
 pub fn config(cases: u32) -> Config {
     Config {
         cases: cases * number("PLIMSOLL_FUZZ_FACTOR", 1) as u32,

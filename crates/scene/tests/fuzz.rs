@@ -1,29 +1,12 @@
 //! Scene files and overrides that nobody would write: every one is either a scene or an error with a message.
-//!
-//! `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
 use proptest::sample::Index;
-use proptest::test_runner::RngSeed;
 use scene::{Error, Scene, parse_overrides};
 use std::path::Path;
 use std::sync::OnceLock;
 use toml::Value;
-
-fn number(variable: &str, otherwise: u64) -> u64 {
-    std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
-}
-
-/// Cases that repeat from run to run.
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases: cases * number("PLIMSOLL_FUZZ_FACTOR", 1) as u32,
-        rng_seed: RngSeed::Fixed(number("PLIMSOLL_FUZZ_SEED", 1)),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
 
 /// The texts of all scenes of the repository.
 fn scenes() -> &'static [String] {
@@ -208,7 +191,7 @@ const PARTS: &[&str] =
     &["fluid", "structure", "beam", "0", "1", "-1", "99999999999999999999", "", " ", "parameters", "é", "'a'"];
 
 proptest! {
-    #![proptest_config(config(6000))]
+    #![proptest_config(fuzzing::config(6000))]
 
     #[test]
     fn changed_scenes(which in any::<Index>(), changes in changes(6)) {
@@ -266,7 +249,7 @@ proptest! {
 /// The changes above leave enough scenes sound for the round trip to mean something, and break enough of them.
 #[test]
 fn both_ends_are_reached() {
-    let mut runner = proptest::test_runner::TestRunner::new(config(400));
+    let mut runner = proptest::test_runner::TestRunner::new(fuzzing::config(400));
     let counts = [std::cell::Cell::new(0), std::cell::Cell::new(0)];
     let strategy = (any::<Index>(), changes(3));
     let outcome = runner.run(&strategy, |(which, changes)| {
