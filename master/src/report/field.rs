@@ -113,7 +113,7 @@ impl FieldFigure {
 }
 
 impl View {
-    /// The box of all particles, with room, cut from above by nothing; walls beyond it are clipped.
+    /// The box of all particles but a few drops, with room; walls beyond it are clipped.
     pub(super) fn of(panels: &[Panel]) -> Self {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
@@ -123,9 +123,8 @@ impl View {
                 high[axis] = high[axis].max(f64::from(point[axis]));
             }
         };
-        let particles = panels.iter().flat_map(|panel| &panel.particles);
         let any = panels.iter().any(|panel| !panel.particles.is_empty());
-        particles.for_each(&mut add);
+        panels.iter().filter_map(body_of_water).flatten().for_each(|corner| add(&corner));
         let horizontal = |line: &&[[f32; 2]; 2]| !any || (line[0][1] - line[1][1]).abs() < 1e-6;
         let floor = panels.iter().flat_map(|panel| panel.lines.iter().filter(horizontal));
         floor.flatten().for_each(&mut add);
@@ -135,6 +134,20 @@ impl View {
         let room = 0.04 * (high[0] - low[0]).max(high[1] - low[1]).max(1e-9);
         Self { x: (low[0] - room, high[0] + room), y: (low[1] - room, high[1] + room) }
     }
+}
+
+/// Corners of the box of a panel's particles without the outermost thousandth on each side: drops that fly off on their
+/// own would make everything else small.
+fn body_of_water(panel: &Panel) -> Option<[[f32; 2]; 2]> {
+    let out = panel.particles.len() / 1000;
+    let mut corners = [[0.0; 2]; 2];
+    for axis in 0..2 {
+        let mut places: Vec<f32> = panel.particles.iter().map(|point| point[axis]).collect();
+        places.sort_unstable_by(f32::total_cmp);
+        corners[0][axis] = *places.get(out)?;
+        corners[1][axis] = places[places.len() - 1 - out];
+    }
+    Some(corners)
 }
 
 /// Range of colours: from 0 (or the lowest hundredth) to what all but a hundredth of the particles stay below.
@@ -174,11 +187,11 @@ fn draw_panel(
         .y_label_formatter(&|value| tick(*value, height))
         .draw()?;
     let radius = (0.58 * scale * spacing(&panel.particles)).clamp(0.6, 12.0).ceil() as i32;
-    let particles = panel.particles.iter().zip(&panel.values);
-    chart.draw_series(particles.map(|(point, value)| {
-        let place = (f64::from(point[0]), f64::from(point[1]));
-        Circle::new(place, radius, colour(f64::from(*value), range).filled())
-    }))?;
+    let particles = panel.particles.iter().map(|point| point.map(f64::from)).zip(&panel.values);
+    let seen = particles.filter(|([x, y], _)| (view.x.0..=view.x.1).contains(x) && (view.y.0..=view.y.1).contains(y));
+    chart.draw_series(
+        seen.map(|([x, y], value)| Circle::new((x, y), radius, colour(f64::from(*value), range).filled())),
+    )?;
     let inside = panel.lines.iter().filter_map(|line| clip(line, view));
     chart.draw_series(inside.map(|line| PathElement::new(line, BLACK.stroke_width(2))))?;
     Ok(())
@@ -263,6 +276,21 @@ mod tests {
         let view = View { x: (0.0, 1.0), y: (0.0, 1.0) };
         assert_eq!(clip(&[[0.5, -1.0], [0.5, 2.0]], view), Some([(0.5, 0.0), (0.5, 1.0)]));
         assert_eq!(clip(&[[2.0, 0.0], [2.0, 1.0]], view), None);
+    }
+
+    #[test]
+    fn single_drops_do_not_set_the_scale() {
+        let mut particles: Vec<[f32; 2]> =
+            (0..3000).map(|i| [(i % 60) as f32 * 0.01, (i / 60) as f32 * 0.01]).collect();
+        particles.extend([[0.1, 7.0], [-3.0, 0.2]]);
+        let panel =
+            Panel { title: String::new(), values: vec![0.0; 3002], particles, lines: vec![[[0.0, 0.0], [0.8, 0.0]]] };
+        let view = View::of(&[panel]);
+        let room = 0.04 * 0.8;
+        for (found, expected) in [(view.x.0, -room), (view.x.1, 0.8 + room), (view.y.0, -room), (view.y.1, 0.49 + room)]
+        {
+            assert!((found - expected).abs() < 0.02, "{found} against {expected}");
+        }
     }
 
     #[test]
