@@ -3,9 +3,8 @@
 use crate::coupling::Memory;
 use crate::record::{Error, IterationCounts, ResultMark};
 use crate::stages::Stages;
+use components::frames::write_lasting;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -44,19 +43,8 @@ impl Checkpoint {
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let wrong = |reason: &dyn ToString| Error::new(path, reason.to_string());
         let payload = postcard::to_stdvec(self).map_err(|error| wrong(&error))?;
-        let temporary = path.with_extension("part");
-        let write = || -> std::io::Result<()> {
-            let mut file = File::create(&temporary)?;
-            file.write_all(MAGIC)?;
-            file.write_all(&crc32fast::hash(&payload).to_le_bytes())?;
-            file.write_all(&payload)?;
-            file.sync_all()?;
-            std::fs::rename(&temporary, path)
-        };
-        write().map_err(|error| {
-            let _ = std::fs::remove_file(&temporary);
-            wrong(&error)
-        })
+        let checksum = crc32fast::hash(&payload).to_le_bytes();
+        write_lasting(path, &[&MAGIC[..], &checksum, &payload].concat()).map_err(|error| wrong(&error))
     }
 
     /// Reads a file and refuses one that is damaged, of another program, or of other inputs.

@@ -194,6 +194,9 @@ impl Run {
             let near = participant::nearest(&check.variable, columns.iter().map(|column| column.name.as_str()));
             let hint = near.map_or_else(String::new, |name| format!("; the nearest name is '{name}'"));
             let warning = format!("check '{}': this run has no variable '{}'{hint}", check.name, check.variable);
+            if self.warnings.contains(&warning) {
+                continue;
+            }
             progress.warn(&warning);
             self.warnings.push(warning);
         }

@@ -58,10 +58,15 @@ fn a_killed_run_goes_on_with_the_same_bits() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR"));
     let scene = at.join("small.toml");
     std::fs::write(&scene, SCENE).unwrap();
-    let (scene, whole, cut) = (scene.to_str().unwrap(), at.join("whole"), at.join("cut"));
+    let (scene, whole, mut cut) = (scene.to_str().unwrap(), at.join("whole"), at.join("cut"));
     done(plimsoll(project, &[scene, "--quiet", "--out", whole.to_str().unwrap()]).output().unwrap());
-    let arguments = [scene, "--resume", "--quiet", "--out", cut.to_str().unwrap()];
-    for signal in ["-KILL", "-KILL", "-TERM"] {
+    for (k, signal) in ["-KILL", "-KILL", "-TERM"].into_iter().enumerate() {
+        // It goes on wherever its folder was moved to.
+        let before = std::mem::replace(&mut cut, at.join(format!("cut-{k}")));
+        if before.exists() {
+            std::fs::rename(&before, &cut).unwrap();
+        }
+        let arguments = [scene, "--resume", "--quiet", "--out", cut.to_str().unwrap()];
         let mut child = plimsoll(project, &arguments).stderr(Stdio::null()).spawn().unwrap();
         assert!(has_checkpoint(&mut child, &cut), "the run ended before it could be stopped");
         std::thread::sleep(Duration::from_millis(150));
@@ -70,7 +75,7 @@ fn a_killed_run_goes_on_with_the_same_bits() {
         let code = child.wait().unwrap().code();
         assert_eq!(code, if signal == "-TERM" { Some(130) } else { None });
     }
-    done(plimsoll(project, &arguments).output().unwrap());
+    done(plimsoll(project, &[scene, "--resume", "--quiet", "--out", cut.to_str().unwrap()]).output().unwrap());
     same(&whole, &cut);
     assert!(!cut.join("checkpoint.bin").exists(), "a run that is done leaves none");
     let again = at.join("again");

@@ -253,14 +253,16 @@ impl Component for FluidComponent {
     }
 
     fn restore(&mut self, state: &State) -> Result<(), Failure> {
+        let common = state.parameters.common.restored(&self.state.parameters.common);
+        let parameters = Parameters { common, ..state.parameters.clone() };
         match &state.progress {
             None => self.machinery = None,
             Some(progress) => {
-                let same_parameters = self.state.parameters == state.parameters;
+                let same_parameters = self.state.parameters == parameters;
                 let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
                 if !(same_parameters && kept) {
-                    let (scene, common) = (Arc::clone(&progress.scene), &state.parameters.common);
-                    let machinery = Machinery::new(scene, self.modes, common, progress.start);
+                    let scene = Arc::clone(&progress.scene);
+                    let machinery = Machinery::new(scene, self.modes, &parameters.common, progress.start);
                     self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
                 }
             }
@@ -270,6 +272,7 @@ impl Component for FluidComponent {
         }
         self.observed = OnceCell::new();
         self.state.clone_from(state);
+        self.state.parameters = parameters;
         Ok(())
     }
 

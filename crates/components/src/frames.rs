@@ -8,7 +8,8 @@ use nalgebra::Vector2;
 use quick_xml::Writer;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::io;
+use std::fs::File;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer, Piece,
@@ -180,8 +181,26 @@ fn failed(path: &Path, error: &dyn std::fmt::Display) -> Error {
 /// # Errors
 /// A file that cannot be written; then nothing is left of it, and an earlier file of that name stays.
 pub fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
+    replace(path, content, |_| Ok(()))
+}
+
+/// The same, on the disk when this returns: it outlasts a machine that stops at once.
+///
+/// # Errors
+/// As those of [`write_whole`].
+pub fn write_lasting(path: &Path, content: &[u8]) -> io::Result<()> {
+    replace(path, content, File::sync_all)
+}
+
+fn replace(path: &Path, content: &[u8], settle: impl Fn(&File) -> io::Result<()>) -> io::Result<()> {
     let temporary = path.with_extension("part");
-    let written = std::fs::write(&temporary, content).and_then(|()| std::fs::rename(&temporary, path));
+    let write = || {
+        let mut file = File::create(&temporary)?;
+        file.write_all(content)?;
+        settle(&file)?;
+        std::fs::rename(&temporary, path)
+    };
+    let written = write();
     if written.is_err() {
         // The failure to tell is the first one.
         let _ = std::fs::remove_file(&temporary);

@@ -34,6 +34,16 @@ impl SceneParameters {
         find_scene(&self.scene, &self.overrides, resources)
     }
 
+    /// These parameters, of a saved state, in an instance that has `own` ones: where frames go is the instance's, so that
+    /// a state may be restored by another process with another folder.
+    pub fn restored(&self, own: &Self) -> Self {
+        let mut restored = self.clone();
+        if !own.output_directory.is_empty() {
+            restored.output_directory.clone_from(&own.output_directory);
+        }
+        restored
+    }
+
     /// The frames of `field`, when some are to be written.
     pub fn series(&self, scene: &Scene, field: &'static str, start: f64) -> Result<Option<Series>, Error> {
         let given = self.output_interval;

@@ -327,13 +327,15 @@ impl Component for StructureComponent {
     }
 
     fn restore(&mut self, state: &State) -> Result<(), Failure> {
+        let common = state.parameters.common.restored(&self.state.parameters.common);
+        let parameters = Parameters { common, ..state.parameters.clone() };
         match &state.progress {
             None => self.machinery = None,
             Some(progress) => {
-                let same_output = self.state.parameters == state.parameters;
+                let same_output = self.state.parameters == parameters;
                 let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
                 if !(same_output && kept) {
-                    let fresh = state.parameters.common.series(&progress.scene, FIELD, progress.start);
+                    let fresh = parameters.common.series(&progress.scene, FIELD, progress.start);
                     let machinery =
                         fresh.and_then(|series| Machinery::new(Arc::clone(&progress.scene), self.modes, series));
                     self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
@@ -345,6 +347,7 @@ impl Component for StructureComponent {
             series.resume(progress.state.time).map_err(|error| Failure::broken(error.to_string()))?;
         }
         self.state.clone_from(state);
+        self.state.parameters = parameters;
         Ok(())
     }
 

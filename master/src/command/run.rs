@@ -60,19 +60,19 @@ impl RunArguments {
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
-    if arguments.resume && is_done(arguments)? {
+    let target = find(arguments)?;
+    if arguments.resume && is_done(arguments, &target)? {
         tell!("the run is complete already; without --resume it is done again");
         return Ok(ExitCode::SUCCESS);
     }
     let interrupted = watch_for_interruption(arguments.style())?;
-    let (summary, _, folder) = execute(arguments, &interrupted)?;
+    let (summary, _, folder) = execute_target(arguments, &target, &interrupted)?;
     Ok(conclude(&summary, &folder, arguments))
 }
 
 /// Whether the same run, by the same version, is complete in its folder.
-fn is_done(arguments: &RunArguments) -> Result<bool, Failure> {
-    let target = Target::find(&arguments.target)?.changed(&arguments.set);
-    let folder = arguments.folder(&target);
+fn is_done(arguments: &RunArguments, target: &Target) -> Result<bool, Failure> {
+    let folder = arguments.folder(target);
     let (Ok(summary), Some(recipe)) = (Summary::read(&folder.join("summary.json")), Recipe::read(&folder)?) else {
         return Ok(false);
     };
@@ -86,10 +86,22 @@ pub(crate) fn execute(
     arguments: &RunArguments,
     interrupted: &AtomicBool,
 ) -> Result<(Summary, Outcome, PathBuf), Failure> {
-    let target = Target::find(&arguments.target)?.changed(&arguments.set);
-    let folder = arguments.folder(&target);
+    execute_target(arguments, &find(arguments)?, interrupted)
+}
+
+/// The target with the changes asked for.
+fn find(arguments: &RunArguments) -> Result<Target, Failure> {
+    Ok(Target::find(&arguments.target)?.changed(&arguments.set))
+}
+
+fn execute_target(
+    arguments: &RunArguments,
+    target: &Target,
+    interrupted: &AtomicBool,
+) -> Result<(Summary, Outcome, PathBuf), Failure> {
+    let folder = arguments.folder(target);
     let job =
-        if target.is_case() { case_job(&target, folder, arguments)? } else { scene_job(&target, folder, arguments)? };
+        if target.is_case() { case_job(target, folder, arguments)? } else { scene_job(target, folder, arguments)? };
     let checkpoint = job.prepare_folder(arguments.resume)?;
     if checkpoint.is_none() {
         let recipe = Recipe::new(&job.name, &target.set, arguments.threads, &target.references, &job.case);
@@ -125,7 +137,10 @@ fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resu
     }
     let places = Places { scene: std::path::absolute(&target.path)?, fmus, frames };
     let case = scene_case::case(&scene, &overrides, arguments.threads, &places);
-    let inputs = format!("{}\n{}", toml::to_string(&case)?, target.text);
+    // Without places: a folder that was moved can be resumed where it is now.
+    let nowhere = Places { scene: "scene.toml".into(), fmus: "".into(), frames: "frames".into() };
+    let anywhere = scene_case::case(&scene, &overrides, arguments.threads, &nowhere);
+    let inputs = format!("{}\n{}", toml::to_string(&anywhere)?, target.text);
     let (name, references) = (target.name.clone(), target.references.clone());
     Ok(Job { name, case, folder, references, facts: Facts::of(&scene), inputs })
 }
