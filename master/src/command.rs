@@ -44,9 +44,10 @@ struct Arguments {
 enum Command {
     /// Run a scene or a case and write results, pictures and a summary.
     ///
-    /// Writes into the folder: report.html (everything on one page), results.csv (time series), iterations.csv (coupling),
-    /// summary.json and summary.md, plots/, frames/ (VTK for ParaView), log.txt, and what the run was made of: scene.toml and
-    /// run.json. `plimsoll run FOLDER --out OTHER` repeats it to the bit. The exit code is 0 only when the run reached its end.
+    /// Writes into the folder: report.html (everything on one page), results.csv (time series), iterations.csv
+    /// (coupling), summary.json and summary.md, plots/, frames/ (VTK for ParaView), log.txt, and what the run was made
+    /// of: scene.toml and run.json. `plimsoll run FOLDER --out OTHER` repeats it to the bit. The exit code is 0 only
+    /// when the run reached its end.
     Run(RunArguments),
     /// Make fluid.fmu and structure.fmu.
     Pack {

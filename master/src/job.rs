@@ -76,7 +76,8 @@ pub struct Job {
 }
 
 impl Job {
-    /// Makes the folder and removes what an earlier run left there; with `resume`, a run that left a checkpoint goes on.
+    /// Makes the folder and removes what an earlier run left there; with `resume`, a run that left a checkpoint goes
+    /// on.
     pub fn prepare_folder(&self, resume: bool) -> Result<Option<Checkpoint>, record::Error> {
         let wrong = |error: std::io::Error| record::Error::new(&self.folder, error);
         std::fs::create_dir_all(&self.folder).map_err(wrong)?;

@@ -15,8 +15,8 @@ macro_rules! tell {
     ($($text:tt)*) => { $crate::say::tell(format_args!($($text)*)) };
 }
 
-/// A line of what was asked for. Where it cannot be written though somebody reads, as on a full disk, the program ends: half
-/// an answer must not pass for a whole one.
+/// A line of what was asked for. Where it cannot be written though somebody reads, as on a full disk, the program ends:
+/// half an answer must not pass for a whole one.
 pub fn answer(line: Arguments) {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

@@ -20,7 +20,8 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// Adds what the participants spent in this process, once; one that cannot answer any more (after an error) counts for nothing.
+    /// Adds what the participants spent in this process, once; one that cannot answer any more (after an error) counts
+    /// for nothing.
     pub fn collect(&mut self, system: &mut System) {
         self.stepping += system.step_seconds();
         for participant in system.participants() {

@@ -1,5 +1,5 @@
-//! Calls in any order with any arguments that the C ABI allows to check: every one that is not carried out says why, none
-//! crashes, and no sequence leaves an instance that fmi2Reset does not mend.
+//! Calls in any order with any arguments that the C ABI allows to check: every one that is not carried out says why,
+//! none crashes, and no sequence leaves an instance that fmi2Reset does not mend.
 //!
 //! `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]

@@ -1,8 +1,8 @@
-//! Serialised states that were changed: refused with a message, or states like any other. Never a crash, a panic behind the
-//! ABI, a flood of memory, or an instance that does not work any more.
+//! Serialised states that were changed: refused with a message, or states like any other. Never a crash, a panic behind
+//! the ABI, a flood of memory, or an instance that does not work any more.
 //!
-//! A changed byte is found by the checksum; the second half of the cases has a valid one, so that everything behind it sees
-//! wrong contents. `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
+//! A changed byte is found by the checksum; the second half of the cases has a valid one, so that everything behind it
+//! sees wrong contents. `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
 use components::{DEFAULT_MODES, FluidComponent, StructureComponent};

@@ -113,7 +113,8 @@ fn foreign_and_damaged_bytes_are_refused() {
     assert_eq!(plate.step(0.0, STEP), Status::OK, "the instance is as before");
 }
 
-/// What the child process does: reads the state, goes on, writes the bits. Without the variables there is nothing to do.
+/// What the child process does: reads the state, goes on, writes the bits. Without the variables there is nothing to
+/// do.
 #[test]
 fn child_goes_on() {
     let (Ok(input), Ok(output)) = (std::env::var("PLIMSOLL_STATE"), std::env::var("PLIMSOLL_BITS")) else { return };

@@ -190,8 +190,8 @@ fn start(start: &scene::Start) -> fluid::AffineVelocity {
 }
 
 /// Share of the divergence of the velocity, as forces alone would make it in a step, that may be left: 1e-3 of it is
-/// enough with the scheme `paper` and 1e-5 with `accurate`, whose other errors are smaller: 1e-4 shows in linear sloshing
-/// only. The loads on a body that answers to them must be as good as the coupling's tolerance.
+/// enough with the scheme `paper` and 1e-5 with `accurate`, whose other errors are smaller: 1e-4 shows in linear
+/// sloshing only. The loads on a body that answers to them must be as good as the coupling's tolerance.
 fn solve_tolerance(scene: &Scene, given: f64) -> f64 {
     let moves = scene.structure.as_ref().is_some_and(|structure| !structure.free.is_empty()) || scene.modes() > 0;
     match given {

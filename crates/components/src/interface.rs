@@ -95,15 +95,6 @@ pub fn answer_variables<C>(
     mass: fn(&C, usize) -> f64,
 ) -> [Vec<Variable<C>>; 2] {
     let size = RIGID + modes;
-    let names = |index: usize| match index.checked_sub(RIGID) {
-        None => ["load.ax", "load.ay", "load.atheta"][index].to_string(),
-        Some(mode) => format!("load.aq[{}]", mode + 1),
-    };
-    let accelerations = (0..size).map(|index| {
-        let kind = FAMILIES[2].types[if index < RIGID { index / 2 } else { 2 }];
-        let meaning = "mean acceleration over the communication step that load.* belongs to";
-        Variable::real(LOAD_ACCELERATION + index as Reference, names(index), meaning, kind, acceleration).at(index)
-    });
     let masses = (0..size * size).map(|entry| {
         let (row, column) = (entry / size, entry % size);
         let index = mass_index(row, column);
@@ -111,7 +102,7 @@ pub fn answer_variables<C>(
         let meaning = "added mass: load.* falls by it for a unit of mean acceleration beyond load.a*";
         Variable::real(ADDED_MASS + index as Reference, name, meaning, mass_type(row, column), mass).at(index)
     });
-    [accelerations.collect(), masses.collect()]
+    [family(&ANSWER, modes, acceleration), masses.collect()]
 }
 
 /// One family of the interface: first reference, names of the rigid coordinates, name of the modal ones, types and
@@ -155,33 +146,41 @@ const FAMILIES: [Family; 4] = [
     },
 ];
 
+/// The accelerations that the load belongs to: the fluid alone has them.
+const ANSWER: Family = Family {
+    first: LOAD_ACCELERATION,
+    rigid: ["load.ax", "load.ay", "load.atheta"],
+    modal: "load.aq",
+    types: FAMILIES[2].types,
+    description: ["second derivative of the coordinate", "that load.* belongs to, mean over the communication step"],
+};
+
 /// Access functions of the four families, in the order position, velocity, acceleration, load.
 type Getters<C> = [fn(&C, usize) -> f64; 4];
 
 /// The variables of the interface as outputs; the caller turns some of them into inputs.
 pub fn variables<C>(modes: usize, get: Getters<C>) -> Vec<(Reference, Variable<C>)> {
-    let mut variables = Vec::new();
-    for (family, get) in FAMILIES.iter().zip(get) {
-        for index in 0..RIGID + modes {
-            let (name, kind, coordinate) = match index.checked_sub(RIGID) {
-                None => {
-                    (family.rigid[index].to_string(), family.types[index / 2], ["X", "Y", "theta"][index].to_string())
-                }
-                Some(mode) => (format!("{}[{}]", family.modal, mode + 1), family.types[2], format!("q[{}]", mode + 1)),
-            };
-            let description = format!("{} {coordinate} {}", family.description[0], family.description[1]);
-            let reference = family.first + index as Reference;
-            variables.push((family.first, Variable::real(reference, name, description, kind, get).at(index)));
-        }
-    }
-    variables
+    let all = FAMILIES.iter().zip(get);
+    all.flat_map(|(of, get)| family(of, modes, get).into_iter().map(|variable| (of.first, variable))).collect()
+}
+
+/// The variables of one family as outputs.
+fn family<C>(family: &Family, modes: usize, get: fn(&C, usize) -> f64) -> Vec<Variable<C>> {
+    let variable = |index: usize| {
+        let (name, kind, coordinate) = match index.checked_sub(RIGID) {
+            None => (family.rigid[index].to_string(), family.types[index / 2], ["X", "Y", "theta"][index].to_string()),
+            Some(mode) => (format!("{}[{}]", family.modal, mode + 1), family.types[2], format!("q[{}]", mode + 1)),
+        };
+        let description = format!("{} {coordinate} {}", family.description[0], family.description[1]);
+        Variable::real(family.first + index as Reference, name, description, kind, get).at(index)
+    };
+    (0..RIGID + modes).map(variable).collect()
 }
 
 /// Which family a reference belongs to and which coordinate it is.
 pub fn coordinate(reference: Reference) -> Option<(Reference, usize)> {
-    let families = FAMILIES.iter().map(|family| family.first).chain([LOAD_ACCELERATION]);
-    families.into_iter().find_map(|first| {
-        let index = reference.checked_sub(first)? as usize;
-        (index < COORDINATES).then_some((first, index))
+    FAMILIES.iter().chain([&ANSWER]).find_map(|family| {
+        let index = reference.checked_sub(family.first)? as usize;
+        (index < COORDINATES).then_some((family.first, index))
     })
 }

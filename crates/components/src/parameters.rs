@@ -34,8 +34,8 @@ impl SceneParameters {
         find_scene(&self.scene, &self.overrides, resources)
     }
 
-    /// These parameters, of a saved state, in an instance that has `own` ones: where frames go is the instance's, so that
-    /// a state may be restored by another process with another folder.
+    /// These parameters, of a saved state, in an instance that has `own` ones: where frames go is the instance's, so
+    /// that a state may be restored by another process with another folder.
     pub fn restored(&self, own: &Self) -> Self {
         let mut restored = self.clone();
         if !own.output_directory.is_empty() {

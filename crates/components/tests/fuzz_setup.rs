@@ -28,7 +28,8 @@ fn expected(scene: &Scene) -> f64 {
     fluid.water.iter().map(|water| water.area()).sum::<f64>() / fluid.spacing.powi(2)
 }
 
-/// Text of a scene of the repository, with so few particles that it is set up in milliseconds, and the paths of its numbers.
+/// Text of a scene of the repository, with so few particles that it is set up in milliseconds, and the paths of its
+/// numbers.
 fn bases() -> Vec<(String, Vec<String>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());

@@ -1,4 +1,5 @@
-//! Times of the stages of a step by themselves: `cargo bench -p fluid`. One thread; a column of water that has begun to fall.
+//! Times of the stages of a step by themselves: `cargo bench -p fluid`. One thread; a column of water that has begun to
+//! fall.
 
 use divan::Bencher;
 use fluid::{Geometry, Parameters, SolveParameters, Solver, Stages, State};

@@ -1,4 +1,5 @@
-//! The library by itself, without a file: `cargo run --release -p fluid --example tank -- rest|dam [SPACING [END [THREADS]]]`.
+//! The library by itself, without a file:
+//! `cargo run --release -p fluid --example tank -- rest|dam [SPACING [END [THREADS]]]`.
 //!
 //! Prints a line of figures per hundredth of the run, water at rest in a tank or a collapsing column, and at the end
 //! where the time went, in nanoseconds per particle and internal step.

@@ -24,7 +24,8 @@ const LONGEST_SCENE: f64 = 1e8;
 /// Pieces of the body's surface, two spacings long each: every one is compared with every other.
 const MOST_PANELS: f64 = 1e4;
 
-/// Refuses a scene whose walls or body reach so far that the memory would be full before anything could be said about it.
+/// Refuses a scene whose walls or body reach so far that the memory would be full before anything could be said about
+/// it.
 pub fn is_of_bearable_size(geometry: &Geometry, spacing: f64) -> Result<(), Error> {
     let mut corners: Vec<Vector2<f64>> =
         geometry.water.iter().chain(&geometry.fixed_walls).flatten().copied().collect();
@@ -116,8 +117,8 @@ pub fn fits_together(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Res
     Ok(())
 }
 
-/// Refuses particles on the surface of the body: those of a polygon that covers a solid as thin as the spacing stand on its
-/// faces, and none within.
+/// Refuses particles on the surface of the body: those of a polygon that covers a solid as thin as the spacing stand on
+/// its faces, and none within.
 fn off_the_body(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Result<(), Error> {
     let nearest = |point: &Vector2<f64>| {
         let near = walls.candidates(point).iter().map(|&index| &walls.segments[index as usize]);

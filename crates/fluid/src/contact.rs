@@ -1,12 +1,13 @@
-//! Contact of the body with fixed walls: nothing of it is modelled here, and a structure that lets it happen is stopped.
+//! Contact of the body with fixed walls: nothing of it is modelled here, and a structure that lets it happen is
+//! stopped.
 
 use crate::Error;
 use crate::walls::{FIXED, Segment, Walls, crosses};
 use kinematics::{Body, MaterialPoint, Motion};
 use nalgebra::Vector2;
 
-/// Distance in spacings from a fixed wall up to which a panel slides or stands on it from the start, as a piston does. One
-/// that goes through a wall from the start is left alone too.
+/// Distance in spacings from a fixed wall up to which a panel slides or stands on it from the start, as a piston does.
+/// One that goes through a wall from the start is left alone too.
 const JOINED: f64 = 0.5;
 
 /// Depth in spacings that a structure with contact forces of its own may need.

@@ -82,7 +82,8 @@ impl Grid {
         places.for_each(|((x, y), &member)| (*x, *y) = (positions[member as usize].x, positions[member as usize].y));
     }
 
-    /// Calls `visit` with the particles of every row of cells up to `rings` cells away from `position`, in a fixed order.
+    /// Calls `visit` with the particles of every row of cells up to `rings` cells away from `position`, in a fixed
+    /// order.
     #[inline(always)]
     pub fn for_each_row(&self, position: &Vector2<f64>, rings: i64, mut visit: impl FnMut(Row)) {
         self.for_each_range(

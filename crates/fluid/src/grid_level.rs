@@ -88,8 +88,8 @@ impl Level {
         self.vertices.len()
     }
 
-    /// Takes the cells where `exists` says so from a full grid, and numbers them and their vertices. Returns through `map`
-    /// the number of every cell of the full grid.
+    /// Takes the cells where `exists` says so from a full grid, and numbers them and their vertices. Returns through
+    /// `map` the number of every cell of the full grid.
     pub fn lay_out(&mut self, columns: usize, rows: usize, exists: impl Fn(usize) -> bool, map: &mut Vec<u32>) {
         (self.columns, self.rows) = (columns, rows);
         self.cells.clear();

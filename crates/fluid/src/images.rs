@@ -116,26 +116,7 @@ fn see(
     out: &mut Vec<Image>,
 ) {
     let direct = between.norm_squared();
-    let least = 0.02 * kernel.radius;
-    let mut seen: [Option<(u32, f64, Mirror)>; 4] = [None; 4];
-    let mut count = 0;
-    for a in own {
-        let Some(b) = other.iter().find(|entry| entry.chain == a.chain) else { continue };
-        let (di, dj) = (a.distance.max(least), b.distance.max(least));
-        let added = 4.0 * di * dj;
-        if direct + added >= kernel.radius * kernel.radius {
-            continue;
-        }
-        let arc = (a.arc * dj + b.arc * di) / (di + dj);
-        if arc < 0.0 || arc > walls.chains[a.chain as usize].length || count == seen.len() {
-            continue;
-        }
-        let (segment, fraction) = walls.locate(a.chain, arc);
-        let normal = if i == j { a.normal } else { (a.normal + b.normal).normalize() };
-        let panel = walls.segments[segment as usize].panel;
-        seen[count] = Some((a.chain, added, Mirror { normal, offset: 2.0 * dj, panel, fraction }));
-        count += 1;
-    }
+    let (seen, count) = common_chains((i, own), (j, other), direct, walls, kernel);
     let mut push = |added: f64, mirrors: [Mirror; 2], reflections: u32| {
         let squared = direct + added;
         if squared >= kernel.radius * kernel.radius {
@@ -155,4 +136,38 @@ fn see(
             }
         }
     }
+}
+
+/// A chain that two particles see, the square of the distance that the mirror image adds \[m2\], and the reflection.
+type Seen = Option<(u32, f64, Mirror)>;
+
+/// The chains that both particles see with the image within reach, and their number.
+fn common_chains(
+    (i, own): (usize, &[Attachment]),
+    (j, other): (usize, &[Attachment]),
+    direct: f64,
+    walls: &Walls,
+    kernel: &Kernel,
+) -> ([Seen; 4], usize) {
+    let least = 0.02 * kernel.radius;
+    let mut seen: [Seen; 4] = [None; 4];
+    let mut count = 0;
+    for a in own {
+        let Some(b) = other.iter().find(|entry| entry.chain == a.chain) else { continue };
+        let (di, dj) = (a.distance.max(least), b.distance.max(least));
+        let added = 4.0 * di * dj;
+        if direct + added >= kernel.radius * kernel.radius {
+            continue;
+        }
+        let arc = (a.arc * dj + b.arc * di) / (di + dj);
+        if arc < 0.0 || arc > walls.chains[a.chain as usize].length || count == seen.len() {
+            continue;
+        }
+        let (segment, fraction) = walls.locate(a.chain, arc);
+        let normal = if i == j { a.normal } else { (a.normal + b.normal).normalize() };
+        let panel = walls.segments[segment as usize].panel;
+        seen[count] = Some((a.chain, added, Mirror { normal, offset: 2.0 * dj, panel, fraction }));
+        count += 1;
+    }
+    (seen, count)
 }

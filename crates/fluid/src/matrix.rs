@@ -1,8 +1,8 @@
 //! The matrix of the pressure: symmetric, positive, over the particles that are not on the surface.
 //!
 //! Eight rows at a time are stored side by side, their k-th entries next to each other, filled up with zeros: products
-//! need no decision where a row ends. Off-diagonal entries have single precision, and the diagonal, in double precision,
-//! is made from them as they are: rows still add up exactly, and a solve reaches any residual.
+//! need no decision where a row ends. Off-diagonal entries have single precision, and the diagonal, in double
+//! precision, is made from them as they are: rows still add up exactly, and a solve reaches any residual.
 
 use crate::neighbours::Neighbourhood;
 use crate::parallel::{self, CHUNK};
@@ -140,8 +140,8 @@ impl Matrix {
         all.filter(|entry| entry.weight != 0.0)
     }
 
-    /// Goes through all rows with the sums of weights times `x`, for `K` vectors at once, which stand side by side: `visit`
-    /// gets row, sums and the row's slot in `out`. Returns the sums of what it returns, added in a fixed order.
+    /// Goes through all rows with the sums of weights times `x`, for `K` vectors at once, which stand side by side:
+    /// `visit` gets row, sums and the row's slot in `out`. Returns the sums of what it returns, added in a fixed order.
     pub fn pass<X: Real, O: Send, const K: usize>(
         &self,
         x: &[[X; K]],

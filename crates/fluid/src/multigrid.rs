@@ -46,7 +46,8 @@ pub struct Multigrid {
     marks: Vec<bool>,
 }
 
-/// Vectors of a cycle for `K` right sides, level by level; the last entry of each stands for vertices that do not exist.
+/// Vectors of a cycle for `K` right sides, level by level; the last entry of each stands for vertices that do not
+/// exist.
 #[derive(Debug, Clone)]
 pub struct Cycle<const K: usize> {
     fine: Vec<[f32; K]>,

@@ -8,7 +8,6 @@ use crate::prepare::Setting;
 use crate::state::State;
 use crate::voronoi::cells::Cells;
 use crate::voronoi::outline::Outline;
-use crate::walls::Walls;
 use nalgebra::Vector2;
 
 /// Figures of one state.
@@ -53,11 +52,7 @@ const ON_WALL: f64 = 0.25;
 
 /// Computes the figures of `state`; `cells` are its cells if they are known.
 pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Observables {
-    let density = setting.parameters.density;
-    let count = state.positions.len();
-    let mut walls = Walls::default();
-    let body = setting.geometry.body.as_ref().map(|body| (body, &state.motion.position));
-    walls.place(&setting.layout, body, setting.kernel.radius, setting.spacing);
+    let walls = setting.walls(&state.motion.position);
     let mut grid = Grid::default();
     if !setting.geometry.probes.is_empty() || matches!(setting.parameters.scheme, Scheme::Paper(_)) {
         grid.build(&state.positions, setting.kernel.radius);
@@ -73,35 +68,54 @@ pub fn observe(setting: &Setting, state: &State, cells: Option<&Cells>) -> Obser
     };
     let outline = Outline::new(setting, state, &walls, cells);
     let (extent, farthest) = outline.extent();
-    let mass = |i: usize| density * state.volumes[i];
-    let total: f64 = density * state.volumes.iter().sum::<f64>();
-    let moment: Vector2<f64> = (0..count).map(|i| state.positions[i] * mass(i)).sum();
-    let attraction = 0.5 * setting.parameters.attraction;
-    let squared: f64 = (0..count).map(|i| state.positions[i].norm_squared() * mass(i)).sum();
-    let front = match &setting.parameters.scheme {
-        Scheme::Paper(_) => particle_front(setting, state),
-        Scheme::Accurate(_) => extent[1].x,
+    let (front, wall_force) = match &setting.parameters.scheme {
+        Scheme::Paper(_) => (particle_front(setting, state), fixed_wall_force(&field)),
+        Scheme::Accurate(_) => (extent[1].x, outline.fixed_wall_force()),
     };
+    let Sums { kinetic_energy, potential_energy, momentum, centre, angular_momentum } = sums(setting, state);
     Observables {
         probes: setting.geometry.probes.iter().map(|probe| read(setting, state, &field, probe)).collect(),
         region_masses: setting.geometry.regions.iter().map(|region| weigh(setting, state, region)).collect(),
-        wall_force: match &setting.parameters.scheme {
-            Scheme::Paper(_) => fixed_wall_force(&field),
-            Scheme::Accurate(_) => outline.fixed_wall_force(),
-        },
+        wall_force,
         front,
-        kinetic_energy: 0.5 * (0..count).map(|i| state.velocities[i].norm_squared() * mass(i)).sum::<f64>(),
-        potential_energy: attraction * squared - setting.parameters.gravity.dot(&moment),
-        momentum: (0..count).map(|i| state.velocities[i] * mass(i)).sum(),
-        centre: if total > 0.0 { moment / total } else { moment },
-        angular_momentum: (0..count).map(|i| state.positions[i].perp(&state.velocities[i]) * mass(i)).sum(),
+        kinetic_energy,
+        potential_energy,
+        momentum,
+        centre,
+        angular_momentum,
         levels: setting.geometry.gauges.iter().map(|&x| outline.level(x, extent[0].y)).collect(),
         area: outline.area(),
         extent,
         farthest,
         maximum_speed: state.velocities.iter().map(|velocity| velocity.norm()).fold(0.0, f64::max),
-        particles: count,
+        particles: state.positions.len(),
         lost: state.lost,
+    }
+}
+
+/// Sums over all particles, as in [`Observables`].
+struct Sums {
+    kinetic_energy: f64,
+    potential_energy: f64,
+    momentum: Vector2<f64>,
+    centre: Vector2<f64>,
+    angular_momentum: f64,
+}
+
+fn sums(setting: &Setting, state: &State) -> Sums {
+    let parameters = &setting.parameters;
+    let (places, velocities) = (&state.positions, &state.velocities);
+    let all = 0..places.len();
+    let mass = |i: usize| parameters.density * state.volumes[i];
+    let total: f64 = parameters.density * state.volumes.iter().sum::<f64>();
+    let moment: Vector2<f64> = all.clone().map(|i| places[i] * mass(i)).sum();
+    let squared: f64 = all.clone().map(|i| places[i].norm_squared() * mass(i)).sum();
+    Sums {
+        kinetic_energy: 0.5 * all.clone().map(|i| velocities[i].norm_squared() * mass(i)).sum::<f64>(),
+        potential_energy: 0.5 * parameters.attraction * squared - parameters.gravity.dot(&moment),
+        momentum: all.clone().map(|i| velocities[i] * mass(i)).sum(),
+        centre: if total > 0.0 { moment / total } else { moment },
+        angular_momentum: all.map(|i| places[i].perp(&velocities[i]) * mass(i)).sum(),
     }
 }
 

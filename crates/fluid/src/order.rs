@@ -26,7 +26,8 @@ pub struct Order {
 }
 
 impl Order {
-    /// Puts particles in the order of a Hilbert curve through cells of two spacings, those of one cell by their old order.
+    /// Puts particles in the order of a Hilbert curve through cells of two spacings, those of one cell by their old
+    /// order.
     pub fn sort(&mut self, state: &mut State, spacing: f64) {
         let Self { keys, vectors, numbers, flags } = self;
         let (low, _) = bounding_box(&state.positions);

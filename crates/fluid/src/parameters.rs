@@ -70,8 +70,8 @@ impl Shaking {
     }
 }
 
-/// A zone in which the water is slowed, so that waves die out before the end of a tank: the rate grows with the square of
-/// the way from `from` to `to`, and stays at its full value beyond.
+/// A zone in which the water is slowed, so that waves die out before the end of a tank: the rate grows with the square
+/// of the way from `from` to `to`, and stays at its full value beyond.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DampingZone {
     /// X where the damping begins \[m\].
@@ -239,7 +239,8 @@ pub struct Geometry {
     pub gauges: Vec<f64>,
 }
 
-/// A random displacement of every particle at the start. Runs that differ in the seed alone say how far an impact repeats.
+/// A random displacement of every particle at the start. Runs that differ in the seed alone say how far an impact
+/// repeats.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Jitter {
     /// Largest displacement along X and Y, in spacings, 0 (none) to 0.2.

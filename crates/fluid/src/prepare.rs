@@ -3,6 +3,7 @@
 //! Coupling iterations repeat a step from the same state with other motions of the body. What is prepared here is
 //! kept in the workspace under the fingerprint of its state, so that a repeat only solves.
 
+use crate::fill::Filling;
 use crate::free_surface;
 use crate::images;
 use crate::kernel::Kernel;
@@ -13,12 +14,12 @@ use crate::neighbours::Neighbourhood;
 use crate::operators::{Density, Operators};
 use crate::panel_motion::PanelMotion;
 use crate::parallel::{self, Lists};
-use crate::parameters::{Geometry, PaperParameters, Parameters, Source};
+use crate::parameters::{Geometry, PaperParameters, Parameters, Scheme, Source};
 use crate::report::{StageTimes, Watch};
 use crate::state::State;
 use crate::walls::{Attachment, WallLayout, Walls};
 use kinematics::Motion;
-use nalgebra::Vector2;
+use nalgebra::{DVector, Vector2};
 
 /// What stays the same over all internal steps of a solver.
 #[derive(Debug, Clone)]
@@ -33,6 +34,25 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// What follows from parameters and geometry, with particles as `filling` has them.
+    pub fn new(parameters: Parameters, geometry: Geometry, filling: &Filling) -> Self {
+        let paper = match &parameters.scheme {
+            Scheme::Paper(paper) => paper.clone(),
+            Scheme::Accurate(_) => PaperParameters::default(),
+        };
+        let spacing = filling.effective_spacing;
+        let kernel = Kernel::new(paper.influence_radius, filling.cell);
+        Self { paper, kernel, layout: WallLayout::new(&geometry, spacing), spacing, parameters, geometry }
+    }
+
+    /// Walls with the body at `coordinates`.
+    pub fn walls(&self, coordinates: &DVector<f64>) -> Walls {
+        let mut walls = Walls::default();
+        let body = self.geometry.body.as_ref().map(|body| (body, coordinates));
+        walls.place(&self.layout, body, self.kernel.radius, self.spacing);
+        walls
+    }
+
     /// n0 lambda / (2 d): the paper's Laplacian is the matrix divided by minus this.
     pub fn laplacian_scale(&self) -> f64 {
         self.kernel.reference_density * self.kernel.lambda / (2.0 * crate::operators::DIMENSIONS)
@@ -44,8 +64,8 @@ impl Setting {
 pub struct Pace {
     /// Length of the step \[s\].
     pub time_step: f64,
-    /// Time over which forces act on the velocities \[s\]: these stand between the positions of two steps, so that it is
-    /// the mean length of the last step and this one. Otherwise every change of the length costs energy.
+    /// Time over which forces act on the velocities \[s\]: these stand between the positions of two steps, so that it
+    /// is the mean length of the last step and this one. Otherwise every change of the length costs energy.
     pub kick: f64,
     /// Length that stability would allow \[s\].
     pub stable_step: f64,

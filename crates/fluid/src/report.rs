@@ -38,7 +38,8 @@ pub struct Report {
     pub reused: usize,
     /// Iterations of the pressure solver, summed over the internal steps.
     pub iterations: usize,
-    /// Unit responses that the step rests on, one for each coordinate that answers to the load; a repeat finds them done.
+    /// Unit responses that the step rests on, one for each coordinate that answers to the load; a repeat finds them
+    /// done.
     pub responses: usize,
     /// Largest relative residual left.
     pub residual: f64,

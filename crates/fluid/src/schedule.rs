@@ -32,9 +32,9 @@ const MOST_PARTS: f64 = 1e6;
 
 /// The next internal step \[s\], given the time left and the last step (0 for none).
 ///
-/// The source term of the pressure contains 1/dt, and jumps of dt make it ring: where there is a choice, a step grows by
-/// at most a tenth, and the time left is cut into equal parts. A master that asks for no more than a stable step gets it
-/// in one piece, even after a much shorter one: only then is the load affine in the motion.
+/// The source term of the pressure contains 1/dt, and jumps of dt make it ring: where there is a choice, a step grows
+/// by at most a tenth, and the time left is cut into equal parts. A master that asks for no more than a stable step
+/// gets it in one piece, even after a much shorter one: only then is the load affine in the motion.
 pub fn next_step(limits: &Limits, left: f64, last: f64, time: f64) -> Result<f64, Error> {
     let stable = limits.stable_step();
     let wanted = if last > 0.0 { stable.min(1.1 * last) } else { stable };

@@ -5,20 +5,19 @@ use crate::check;
 use crate::contact::BodyContact;
 use crate::fill;
 use crate::grid::bounding_box;
-use crate::kernel::Kernel;
 use crate::motion::interpolate;
 use crate::observe::{self, Observables};
 use crate::order::Order;
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
-use crate::parameters::{Geometry, PaperParameters, Parameters, Scheme};
+use crate::parameters::{Geometry, Parameters, Scheme};
 use crate::prepare::{Pace, Prepared, Setting};
 use crate::pressure::ConjugateGradient;
 use crate::report::Report;
 use crate::schedule::{Limits, next_step};
 use crate::state::State;
 use crate::voronoi;
-use crate::walls::{WallLayout, Walls};
+use crate::walls::Walls;
 use kinematics::Motion;
 use nalgebra::{DVector, Vector2};
 
@@ -77,20 +76,8 @@ impl Solver {
         check::is_of_bearable_size(&geometry, parameters.spacing)?;
         check::walls_are_sound(&geometry, parameters.spacing)?;
         let mut filling = fill::fill(&geometry.water, parameters.spacing)?;
-        let spacing = filling.effective_spacing;
-        let fallback = PaperParameters::default();
-        let paper = match &parameters.scheme {
-            Scheme::Paper(paper) => paper,
-            Scheme::Accurate(_) => &fallback,
-        };
-        let setting = Setting {
-            paper: paper.clone(),
-            kernel: Kernel::new(paper.influence_radius, filling.cell),
-            layout: WallLayout::new(&geometry, spacing),
-            spacing,
-            parameters,
-            geometry,
-        };
+        let setting = Setting::new(parameters, geometry, &filling);
+        let spacing = setting.spacing;
         let volumes = match &setting.parameters.scheme {
             Scheme::Paper(_) => vec![spacing * spacing; filling.positions.len()],
             Scheme::Accurate(_) => {
@@ -98,26 +85,21 @@ impl Solver {
                 voronoi::relax::relax(&mut filling.positions, &filling.counts, water, spacing)
             }
         };
-        check::areas_are_sound(&volumes, &filling.positions)?;
-        setting.geometry.jitter.apply(&mut filling.positions, spacing);
+        let mut positions = filling.positions;
+        check::areas_are_sound(&volumes, &positions)?;
+        setting.geometry.jitter.apply(&mut positions, spacing);
         let threads = setting.parameters.threads;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
-        let mut walls = Walls::default();
-        let rest = Motion::at_rest(setting.geometry.body.as_ref().map_or(0, |body| body.modes()));
-        let body = setting.geometry.body.as_ref().map(|body| (body, &rest.position));
-        walls.place(&setting.layout, body, setting.kernel.radius, spacing);
-        check::fits_together(&walls, &filling.positions, spacing)?;
-        check::no_overlap(&filling.positions, spacing)?;
-        let corners = walls.segments.iter().flat_map(|segment| [segment.start, segment.end()]);
-        let all: Vec<_> = corners.chain(filling.positions.iter().copied()).collect();
-        let (low, high) = bounding_box(&all);
-        let margin = (high - low).max();
-        let domain = (low.add_scalar(-margin), high.add_scalar(margin));
+        let modes = setting.geometry.body.as_ref().map_or(0, |body| body.modes());
+        let walls = setting.walls(&Motion::at_rest(modes).position);
+        check::fits_together(&walls, &positions, spacing)?;
+        check::no_overlap(&positions, spacing)?;
+        let domain = domain(&walls, &positions);
         let contact = BodyContact::new(&setting.layout.panels, &walls, spacing);
-        Ok(Self { setting, contact, start: filling.positions, volumes, domain, pool })
+        Ok(Self { setting, contact, start: positions, volumes, domain, pool })
     }
 
     /// Number of modes of the body; 0 without one.
@@ -281,8 +263,8 @@ impl Solver {
         Ok(report)
     }
 
-    /// Time over which forces act in a step of length `time_step` after one of length `last`. Where coordinates answer to
-    /// the load it is the length of the step: the impulse on them is that of the step.
+    /// Time over which forces act in a step of length `time_step` after one of length `last`. Where coordinates answer
+    /// to the load it is the length of the step: the impulse on them is that of the step.
     fn kick(&self, last: f64, time_step: f64) -> f64 {
         let smooth = last > 0.0 && self.setting.geometry.active.is_empty();
         if smooth { (0.5 * (last + time_step)).min(LONGEST_KICK * time_step) } else { time_step }
@@ -345,6 +327,15 @@ impl Solver {
         }
         Ok(())
     }
+}
+
+/// The box within which particles and body must stay: as far beyond walls and water as these are long.
+fn domain(walls: &Walls, positions: &[Vector2<f64>]) -> (Vector2<f64>, Vector2<f64>) {
+    let corners = walls.segments.iter().flat_map(|segment| [segment.start, segment.end()]);
+    let all: Vec<_> = corners.chain(positions.iter().copied()).collect();
+    let (low, high) = bounding_box(&all);
+    let margin = (high - low).max();
+    (low.add_scalar(-margin), high.add_scalar(margin))
 }
 
 /// Longest time over which forces act in a step, over its length. A step is cut far shorter than the last one where

@@ -1,5 +1,5 @@
-//! Whether a state that came from outside can be one of this scene. The steps rely on it: lengths that differ or a particle
-//! far outside would be found by a panic or by a search grid that fills the memory.
+//! Whether a state that came from outside can be one of this scene. The steps rely on it: lengths that differ or a
+//! particle far outside would be found by a panic or by a search grid that fills the memory.
 
 use crate::Error;
 use crate::solver::Solver;
@@ -34,8 +34,8 @@ fn usable<'a>(what: &str, mut values: impl Iterator<Item = &'a f64>) -> Result<(
 }
 
 impl Solver {
-    /// Refuses a state that no run of this scene can have come to: lists of other lengths, numbers that are none, particles
-    /// outside the domain. States from another process pass here once; those that this solver made need not.
+    /// Refuses a state that no run of this scene can have come to: lists of other lengths, numbers that are none,
+    /// particles outside the domain. States from another process pass here once; those that this solver made need not.
     ///
     /// # Errors
     /// What is wrong, with what was found and what was expected.

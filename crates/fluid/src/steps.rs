@@ -100,9 +100,9 @@ impl Solver {
         Ok(())
     }
 
-    /// Cells, matrix and pressure of one internal step. What does not depend on the motion asked for is kept for repeats
-    /// of the step; where coordinates answer to the load this includes the pressure itself, but for its small change
-    /// with the acceleration beyond the expected one.
+    /// Cells, matrix and pressure of one internal step. What does not depend on the motion asked for is kept for
+    /// repeats of the step; where coordinates answer to the load this includes the pressure itself, but for its small
+    /// change with the acceleration beyond the expected one.
     fn solve_on_cells(
         &self,
         accurate: &AccurateParameters,
@@ -199,8 +199,8 @@ impl Solver {
         Ok(())
     }
 
-    /// Mean acceleration of every panel over the step with the coordinates at which the walls stand in it: affine in the
-    /// velocity asked for.
+    /// Mean acceleration of every panel over the step with the coordinates at which the walls stand in it: affine in
+    /// the velocity asked for.
     fn set_wall_acceleration(
         &self,
         panels: &mut PanelMotion,

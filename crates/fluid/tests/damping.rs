@@ -39,8 +39,8 @@ fn the_rate_grows_with_the_square_of_the_way() {
     assert!(parameters.validate().unwrap_err().to_string().contains("damping.to = 0.8"));
 }
 
-/// The end of a tank that damps sends back less than a tenth of a wave's energy: a hump that splits into two waves leaves
-/// the tank, while without damping its energy stays.
+/// The end of a tank that damps sends back less than a tenth of a wave's energy: a hump that splits into two waves
+/// leaves the tank, while without damping its energy stays.
 #[test]
 fn a_damped_end_does_not_echo() {
     let energy = |damping: Vec<DampingZone>| {

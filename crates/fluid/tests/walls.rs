@@ -118,8 +118,8 @@ fn load_is_affine_in_the_acceleration() {
 }
 
 /// What gravity gives the water and its tank takes is what the water's momentum changes by: the tank is a body, whose
-/// load is the mean force over each step. Without shifting, which takes velocities from the field where particles go. What
-/// is left comes from the free surface, whose pull on a cell is exact for linear pressures and not for momentum.
+/// load is the mean force over each step. Without shifting, which takes velocities from the field where particles go.
+/// What is left comes from the free surface, whose pull on a cell is exact for linear pressures and not for momentum.
 #[test]
 fn momentum_of_a_dam_break_is_that_of_gravity_and_walls() {
     let scheme = Scheme::Accurate(AccurateParameters {

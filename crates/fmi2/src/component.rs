@@ -106,8 +106,9 @@ pub trait Component: Sized + 'static {
     /// A copy of the state.
     fn save(&self) -> Self::State;
 
-    /// Refuses a state read from bytes that no instance of this model can have saved. A checksum says that the bytes are those
-    /// that somebody wrote, not that a model wrote them: lengths, ranges and whatever steps and getters rely on belong here.
+    /// Refuses a state read from bytes that no instance of this model can have saved. A checksum says that the bytes
+    /// are those that somebody wrote, not that a model wrote them: lengths, ranges and whatever steps and getters rely
+    /// on belong here.
     fn check(&self, _state: &Self::State) -> Result<(), Failure> {
         Ok(())
     }

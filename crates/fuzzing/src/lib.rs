@@ -19,8 +19,8 @@ pub fn config(cases: u32) -> Config {
     }
 }
 
-/// A line of /proc/self/status \[kB\]: `VmRSS` for what is resident, `VmHWM` for the most that was. None elsewhere than on
-/// Linux.
+/// A line of /proc/self/status \[kB\]: `VmRSS` for what is resident, `VmHWM` for the most that was. None elsewhere than
+/// on Linux.
 pub fn memory(line: &str) -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let found = status.lines().find(|candidate| candidate.starts_with(line))?;

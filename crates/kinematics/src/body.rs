@@ -5,9 +5,9 @@ use nalgebra::{DVector, Rotation2, Vector2};
 
 /// An elastic beam that a body carries.
 ///
-/// Its axis runs along +y of the body, its deflection eta along -x. A point of the face at `offset` along +x stands in the
-/// body frame at `(x_of + offset - eta(s), y_of + s)` with `s = station - l/2`: the faces are translated copies of the neutral
-/// axis, so a force on either does its work through the very shape that the structure integrates.
+/// Its axis runs along +y of the body, its deflection eta along -x. A point of the face at `offset` along +x stands in
+/// the body frame at `(x_of + offset - eta(s), y_of + s)` with `s = station - l/2`: the faces are translated copies of
+/// the neutral axis, so a force on either does its work through the very shape that the structure integrates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Beam {
     /// o_F, the middle of the beam, in the body frame, m.
@@ -65,7 +65,8 @@ impl Body {
     /// Checks every number once; the other functions rely on it.
     ///
     /// # Errors
-    /// A number that is not finite, a thickness that is not positive, a wall with fewer than two points or with an empty segment.
+    /// A number that is not finite, a thickness that is not positive, a wall with fewer than two points or with an
+    /// empty segment.
     pub fn validate(&self) -> Result<(), Error> {
         let mut numbers = vec![
             ("the body's origin x".to_string(), self.origin.x),
@@ -150,11 +151,11 @@ impl Body {
         }
     }
 
-    /// Adds the virtual work of a `force` (N per metre of width, global frame) on this point to the generalised `load`, 3 + N:
-    /// `load_k += (d position / d x_k) . force`.
+    /// Adds the virtual work of a `force` (N per metre of width, global frame) on this point to the generalised `load`,
+    /// 3 + N: `load_k += (d position / d x_k) . force`.
     ///
-    /// Print to mind: equation (A15) of the paper takes the moment about the global origin; the work on theta is the moment about
-    /// o_R, where it stands now.
+    /// Print to mind: equation (A15) of the paper takes the moment about the global origin; the work on theta is the
+    /// moment about o_R, where it stands now.
     pub fn add_force(&self, point: MaterialPoint, coordinates: &DVector<f64>, force: Vector2<f64>, load: &mut [f64]) {
         let rotation = self.rotation(coordinates);
         let local_force = rotation.inverse() * force;
@@ -169,7 +170,8 @@ impl Body {
     /// Rotation from the body frame to the global frame.
     ///
     /// Print to mind: the paper's (7) and (A11)-(A13) give one constant matrix for all of U, R_R and R. Only R, from
-    /// the beam's frame (s, w) to the body frame, is constant; R_R = Rot(theta), U = dRot/dtheta Rot^T, R_F = Rot(theta) R.
+    /// the beam's frame (s, w) to the body frame, is constant; R_R = Rot(theta), U = dRot/dtheta Rot^T,
+    /// R_F = Rot(theta) R.
     fn rotation(&self, coordinates: &DVector<f64>) -> Rotation2<f64> {
         Rotation2::new(self.angle + coordinates[2])
     }

@@ -1,8 +1,8 @@
 //! Kinematics of a rigid body that carries an elastic beam in modal form.
 //!
-//! The one place that knows how the generalised coordinates `x = [X, Y, theta, q_1 .. q_N]` move the surface, and how forces on the
-//! surface load the coordinates. The structure and the fluid both build on it, so that the work done across their
-//! interface is the same on both sides by construction.
+//! The one place that knows how the generalised coordinates `x = [X, Y, theta, q_1 .. q_N]` move the surface, and how
+//! forces on the surface load the coordinates. The structure and the fluid both build on it, so that the work done
+//! across their interface is the same on both sides by construction.
 //!
 //! - [`Motion`]: coordinates, rates, accelerations, measured from the pose in the scene;
 //! - [`BeamModes`]: mode shapes of a fixed-fixed or clamped-free beam;

@@ -21,8 +21,8 @@ pub enum Support {
 /// sigma = (cosh a -+ cos a) / (sinh a -+ sin a)        (- fixed-fixed, + clamped-free)
 /// ```
 ///
-/// where a solves `cosh a cos a = 1` (fixed-fixed) or `cosh a cos a = -1` (clamped-free). `cosh z - sigma sinh z` is the
-/// difference of two numbers of size e^z, and keeps no digit once a exceeds about 35. It is therefore evaluated as
+/// where a solves `cosh a cos a = 1` (fixed-fixed) or `cosh a cos a = -1` (clamped-free). `cosh z - sigma sinh z` is
+/// the difference of two numbers of size e^z, and keeps no digit once a exceeds about 35. It is therefore evaluated as
 ///
 /// ```text
 /// cosh z - sigma sinh z = grow e^(z - a) + decay e^(-z),
@@ -33,8 +33,8 @@ pub enum Support {
 /// in which nothing cancels and nothing exceeds one in size.
 ///
 /// The modes satisfy `integral phi_i phi_j rho_l dx = delta_ij`; phi has the unit 1/sqrt(kg/m).
-/// Print to mind: after equation (13) the paper counts x from the origin of the beam frame, yet its equations (16)-(18) hold
-/// only with that origin at mid-beam; so x = s + l/2 with s from the middle.
+/// Print to mind: after equation (13) the paper counts x from the origin of the beam frame, yet its equations (16)-(18)
+/// hold only with that origin at mid-beam; so x = s + l/2 with s from the middle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeamModes {
     support: Support,
@@ -134,10 +134,11 @@ impl BeamModes {
         self.wave_number(mode).powi(2) * (at.grow + at.decay + at.cos - mode.sigma * at.sin) / self.mass().sqrt()
     }
 
-    /// Natural circular frequency of mode `index` in vacuo, rad/s, for a bending stiffness EJ in N m2 per metre of width.
+    /// Natural circular frequency of mode `index` in vacuo, rad/s, for a bending stiffness EJ in N m2 per metre of
+    /// width.
     ///
-    /// Print to mind: the paper's table 1 lists the same three frequencies for every Young's modulus, infinity included;
-    /// they scale with its square root.
+    /// Print to mind: the paper's table 1 lists the same three frequencies for every Young's modulus, infinity
+    /// included; they scale with its square root.
     pub fn frequency(&self, index: usize, bending_stiffness: f64) -> f64 {
         self.wave_number(&self.modes[index]).powi(2) * (bending_stiffness / self.line_density).sqrt()
     }
@@ -193,7 +194,8 @@ impl Mode {
     /// `integral phi dx` and `integral (x - 1/2) phi dx` for unit length and mass.
     ///
     /// From phi'''' = a^4 phi: `integral phi = [phi''']/a^4` and `integral x phi = [x phi''' - phi'']/a^4`, where
-    /// phi''(0) = 2 a^2, phi'''(0) = -2 sigma a^3, both vanish at a free end, and repeat with the parity of the mode at a fixed one.
+    /// phi''(0) = 2 a^2, phi'''(0) = -2 sigma a^3, both vanish at a free end, and repeat with the parity of the mode at
+    /// a fixed one.
     fn moments(&self, support: Support, index: usize) -> (f64, f64) {
         let a = self.root;
         match support {

@@ -3,7 +3,8 @@
 use crate::{Body, MaterialPoint, Support};
 use nalgebra::{DVector, Vector2};
 
-/// A short piece of surface between two material points, with the fluid on the left walking from the first to the second.
+/// A short piece of surface between two material points, with the fluid on the left walking from the first to the
+/// second.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Panel {
     /// Start and end. Panels made by [`Body::panels`] have both ends on the rigid part or both on the beam.

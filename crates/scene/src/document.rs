@@ -70,8 +70,8 @@ fn parse_value(text: &str) -> Value {
     wrapper.and_then(|mut wrapper| wrapper.remove("value")).unwrap_or_else(|| Value::String(text.to_string()))
 }
 
-/// Keys of a path, one below the other: no document is as deep, and tables are made, read and dropped by recursion, which
-/// would end the process on a path of some ten thousand.
+/// Keys of a path, one below the other: no document is as deep, and tables are made, read and dropped by recursion,
+/// which would end the process on a path of some ten thousand.
 const MOST_KEYS: usize = 32;
 
 /// The keys of a dotted path.

@@ -43,7 +43,8 @@ pub struct Structure {
     pub constant_load: Vec<f64>,
 }
 
-/// Contact with fixed walls: a corner at the depth delta is pushed out by k delta (1 + damping delta'), without friction.
+/// Contact with fixed walls: a corner at the depth delta is pushed out by k delta (1 + damping delta'), without
+/// friction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {

@@ -138,8 +138,8 @@ pub struct Start {
     pub velocity: Point,
     /// Velocity gradient \[1/s\], row by row: du/dx, du/dy; dv/dx, dv/dy.
     pub gradient: [Point; 2],
-    /// Largest random displacement of a particle along X and Y, in spacings (0 to 0.2). Runs that differ in the seed alone
-    /// say how far an impact repeats.
+    /// Largest random displacement of a particle along X and Y, in spacings (0 to 0.2). Runs that differ in the seed
+    /// alone say how far an impact repeats.
     pub jitter: f64,
     /// Number that decides the random displacements.
     pub seed: u64,
@@ -157,8 +157,8 @@ pub struct DampingZone {
     pub rate: f64,
 }
 
-/// Displacement `amplitude` cos(2 pi t / `period`) of the tank from t = 0 on. The scene is seen from the tank: the water
-/// feels the acceleration `amplitude` (2 pi / `period`)^2 cos(2 pi t / `period`).
+/// Displacement `amplitude` cos(2 pi t / `period`) of the tank from t = 0 on. The scene is seen from the tank: the
+/// water feels the acceleration `amplitude` (2 pi / `period`)^2 cos(2 pi t / `period`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Shaking {

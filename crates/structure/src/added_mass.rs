@@ -1,13 +1,14 @@
 //! A load that answers to the acceleration at once, for exchanges without iteration.
 //!
 //! The pressure of an incompressible fluid is affine in the acceleration of its walls: within a step the load is
-//! Q(a) = Q_r - A (a - a_r), with A the added mass and Q_r the load that belongs to the acceleration a_r. A structure that
-//! takes Q_r as it is diverges once A exceeds its own mass, however small the step. Here A is part of its equations
-//! (Banks, Henshaw and Schwendeman 2014), with a the mean acceleration (v1 - v0)/H of the step:
+//! Q(a) = Q_r - A (a - a_r), with A the added mass and Q_r the load that belongs to the acceleration a_r. A structure
+//! that takes Q_r as it is diverges once A exceeds its own mass, however small the step. Here A is part of its
+//! equations (Banks, Henshaw and Schwendeman 2014), with a the mean acceleration (v1 - v0)/H of the step:
 //!
 //!   F(Q) = Q - Q_r - A (a_r - a(Q)) = 0,      dF/dQ = I + A (dv1/dQ)/H,
 //!
-//! solved by Newton-Raphson around [`Solver::step`], whose derivative is exact: a linear structure takes one correction.
+//! solved by Newton-Raphson around [`Solver::step`], whose derivative is exact: a linear structure takes one
+//! correction.
 
 use crate::{Error, Report, Sensitivity, Solver, State, Workspace};
 use nalgebra::{DMatrix, DVector};
@@ -22,8 +23,8 @@ pub struct AddedMass {
     pub acceleration: DVector<f64>,
 }
 
-/// The form in saved states. A matrix that is read as such brings numbers of rows and columns whose product may wrap around
-/// to the number of entries; here the accelerations say how large it is.
+/// The form in saved states. A matrix that is read as such brings numbers of rows and columns whose product may wrap
+/// around to the number of entries; here the accelerations say how large it is.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
 struct Numbers {
     /// Column after column.
@@ -53,8 +54,8 @@ impl TryFrom<Numbers> for AddedMass {
 }
 
 impl Solver {
-    /// Like [`Solver::step`], under the load `load - A (a - a_r)` with a the mean acceleration of the step. Also returns the
-    /// load that acted.
+    /// Like [`Solver::step`], under the load `load - A (a - a_r)` with a the mean acceleration of the step. Also
+    /// returns the load that acted.
     ///
     /// # Errors
     /// Those of [`Solver::step`], and an iteration that does not converge.

@@ -6,9 +6,9 @@
 //! F = k delta (1 + a delta') >= 0,
 //! ```
 //!
-//! without friction (Hunt and Crossley 1975, exponent 1): continuous at the first touch, and an impact of speed v loses about
-//! the share a v of its speed. With r = Rot c the corner seen from o_R and J = (n, n.U r) the row of d(-delta)/dx, the force
-//! enters the equations as -F J.
+//! without friction (Hunt and Crossley 1975, exponent 1): continuous at the first touch, and an impact of speed v loses
+//! about the share a v of its speed. With r = Rot c the corner seen from o_R and J = (n, n.U r) the row of
+//! d(-delta)/dx, the force enters the equations as -F J.
 
 use crate::Error;
 use crate::parameters::{ContactParameters, check};

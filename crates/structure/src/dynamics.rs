@@ -122,9 +122,10 @@ impl Dynamics {
 
     /// `h(x, xd) + grad V(x) + C xd` into `out`, n.
     ///
-    /// Prints to mind: (17) ends with `-theta-dd cos(theta) psi.qdd`, right is `-sin(theta) psi.qdd`, and its terms in theta-d^2 and
-    /// theta-dd have psi03 q3-dot for psi03 q3; (18) has `M_F (x_of cos + y_of sin)` for `g (cos m_bx - sin m_by)`: the factor g,
-    /// the sign and the deflection are missing; (19)-(21) lack the weight of the modes, `-g sin(theta) psi0_i`.
+    /// Prints to mind: (17) ends with `-theta-dd cos(theta) psi.qdd`, right is `-sin(theta) psi.qdd`, and its terms in
+    /// theta-d^2 and theta-dd have psi03 q3-dot for psi03 q3; (18) has `M_F (x_of cos + y_of sin)` for
+    /// `g (cos m_bx - sin m_by)`: the factor g, the sign and the deflection are missing; (19)-(21) lack the weight of
+    /// the modes, `-g sin(theta) psi0_i`.
     pub fn restoring_force(&self, position: &DVector<f64>, velocity: &DVector<f64>, out: &mut DVector<f64>) {
         let (pose, q, qd) = (self.pose(position), modal(position), modal(velocity));
         let spin = velocity[2];
@@ -148,8 +149,8 @@ impl Dynamics {
 
     /// Adds to `out`, n, the size of every force that `M xdd` and [`Dynamics::restoring_force`] are summed up from.
     ///
-    /// The sums themselves vanish in equilibrium; these do not, and so tell how much of a residual is more than rounding.
-    /// `mass` is M at this position.
+    /// The sums themselves vanish in equilibrium; these do not, and so tell how much of a residual is more than
+    /// rounding. `mass` is M at this position.
     pub(crate) fn add_force_sizes(&self, motion: &Motion, mass: &DMatrix<f64>, out: &mut DVector<f64>) {
         let (q, qd) = (modal(&motion.position), modal(&motion.velocity));
         let (spin, drift) = (motion.velocity[2].abs(), self.psi0.dot(&qd).abs());

@@ -4,7 +4,8 @@
 //! M(x) xdd + h(x, xd) + grad V(x) + C xd = Q,      x = [X, Y, theta, q_1 .. q_N]
 //! ```
 //!
-//! with the exact Lagrangian mass matrix and forces of [`Dynamics`], integrated by [`Solver`]. See README.md for the equations.
+//! with the exact Lagrangian mass matrix and forces of [`Dynamics`], integrated by [`Solver`]. See README.md for the
+//! equations.
 //!
 //! - [`Parameters`]: masses, beam, supports of the cabin, method; validated once;
 //! - [`State`]: all that survives a step; [`Workspace`]: scratch; [`Report`]: how a step went;

@@ -59,8 +59,8 @@ impl Solver {
 
     /// One Newton correction of `workspace.end`.
     ///
-    /// Position and velocity are corrected themselves, not computed anew from the acceleration: in a step that is long against
-    /// a period the predictor is far larger than the result and would leave its rounding in it.
+    /// Position and velocity are corrected themselves, not computed anew from the acceleration: in a step that is long
+    /// against a period the predictor is far larger than the result and would leave its rounding in it.
     fn correct(&self, duration: f64, time: f64, workspace: &mut Workspace) -> Result<(), Error> {
         let mut reduced = self.free.gather(&workspace.residual);
         if !self.tangent(duration, workspace).lu().solve_mut(&mut reduced) {

@@ -9,7 +9,8 @@ use nalgebra::Vector2;
 pub struct Parameters {
     /// M_R, mass of the rigid part, kg per metre of width. Positive when X, Y or theta is free.
     pub rigid_mass: f64,
-    /// I_R, moment of inertia of the rigid part about its centre of gravity o_R, kg m2 per metre of width. Positive when X, Y or theta is free.
+    /// I_R, moment of inertia of the rigid part about its centre of gravity o_R, kg m2 per metre of width. Positive
+    /// when X, Y or theta is free.
     pub rigid_inertia: f64,
     /// Acceleration of gravity along -Y of the global frame, m/s2, at least 0.
     pub gravity: f64,
@@ -25,7 +26,8 @@ pub struct Parameters {
     pub contact: Option<ContactParameters>,
     /// Time integration.
     pub integrator: Integrator,
-    /// Bound of the relative residual at which Newton-Raphson stops, in [1e-13, 1e-2]; 1e-11 costs one iteration more than 1e-6.
+    /// Bound of the relative residual at which Newton-Raphson stops, in [1e-13, 1e-2]; 1e-11 costs one iteration more
+    /// than 1e-6.
     pub tolerance: f64,
     /// Newton-Raphson iterations after which a step is given up, at least 1; 20 is ample.
     pub maximum_iterations: usize,
@@ -40,7 +42,8 @@ pub struct BeamParameters {
     pub middle: Vector2<f64>,
     /// EJ, N m2 per metre of width: E h^3/12, or E h^3/(12 (1 - nu^2)) in plane strain.
     ///
-    /// Print to mind: table 1 of the paper has the thickness 0.04 mm, which fits its frequencies for no bulkhead of that cabin.
+    /// Print to mind: table 1 of the paper has the thickness 0.04 mm, which fits its frequencies for no bulkhead of
+    /// that cabin.
     pub bending_stiffness: f64,
     /// Largest deflection for which the linear beam counts as valid, m; a step that would exceed it is an error.
     pub deflection_limit: f64,
@@ -67,8 +70,8 @@ pub struct ContactParameters {
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case", tag = "method")]
 pub enum Integrator {
-    /// Newmark (1959) with gamma >= 1/2 and 2 beta >= gamma (unconditionally stable). 1/4 and 1/2 is the average acceleration:
-    /// second order, no damping.
+    /// Newmark (1959) with gamma >= 1/2 and 2 beta >= gamma (unconditionally stable). 1/4 and 1/2 is the average
+    /// acceleration: second order, no damping.
     Newmark {
         /// Weight of the end acceleration in the displacement.
         beta: f64,

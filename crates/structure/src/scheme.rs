@@ -18,8 +18,8 @@ pub(crate) struct Scheme {
     pub alpha_f: f64,
     pub beta: f64,
     pub gamma: f64,
-    /// Whether a1 is carried over as the a0 of the next step. Newmark takes a0 anew from equilibrium with the load that is held
-    /// over the step: (v1 - v0)/H is then the mean acceleration under the mean load, and a load that jumps from
+    /// Whether a1 is carried over as the a0 of the next step. Newmark takes a0 anew from equilibrium with the load that
+    /// is held over the step: (v1 - v0)/H is then the mean acceleration under the mean load, and a load that jumps from
     /// step to step, as one with a large added mass does, starts no oscillation of the accelerations.
     pub remembers: bool,
 }
@@ -66,7 +66,8 @@ mod tests {
 
     #[test]
     fn coefficients_are_those_of_chung_and_hulbert() {
-        // rho = 1 is the midpoint rule with the weights of the average acceleration, rho = 0 annihilates (their section 4).
+        // rho = 1 is the midpoint rule with the weights of the average acceleration, rho = 0 annihilates (their section
+        // 4).
         for (rho_infinity, expected) in [(1.0, [0.5, 0.5, 0.25, 0.5]), (0.0, [-1.0, 0.0, 1.0, 1.5])] {
             let scheme = Scheme::new(Integrator::GeneralisedAlpha { rho_infinity });
             assert_eq!([scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma], expected);

@@ -11,10 +11,12 @@ struct Reduced {
 }
 
 impl Solver {
-    /// Derivatives by the load of the motion at the end of the step that led from `before` to `after` in `duration` s under `load`.
+    /// Derivatives by the load of the motion at the end of the step that led from `before` to `after` in `duration` s
+    /// under `load`.
     ///
-    /// The implicit function theorem on the equations of the step (see [`Solver`]), with everything that depends on the load in it:
-    /// the start acceleration a0 where it is taken from equilibrium, the predictors, and the acceleration that goes out.
+    /// The implicit function theorem on the equations of the step (see [`Solver`]), with everything that depends on the
+    /// load in it: the start acceleration a0 where it is taken from equilibrium, the predictors, and the acceleration
+    /// that goes out.
     ///
     /// # Errors
     /// As [`Solver::step`], for the same inputs.

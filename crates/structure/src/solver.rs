@@ -12,16 +12,16 @@ const STATIONS: usize = 8;
 
 /// Integrates a cabin with a beam under generalised loads.
 ///
-/// A step from t to t + H solves the equations of [`Dynamics`] for the acceleration a1 of the free coordinates, with the load Q held over the step
-/// (Newmark 1959 or Chung and Hulbert 1993, see [`crate::Integrator`]):
+/// A step from t to t + H solves the equations of [`Dynamics`] for the acceleration a1 of the free coordinates, with
+/// the load Q held over the step (Newmark 1959 or Chung and Hulbert 1993, see [`crate::Integrator`]):
 ///
 /// ```text
 /// r(a1) = M(xp) ap + f(xp, vp) - Q = 0,                          f = h + grad V + C xd,
 /// dr/da1 = (1 - alpha_m) M + (1 - alpha_f) (gamma H df/dv + beta H^2 d(M a + f)/dx),
 /// ```
 ///
-/// until `|r| <= tolerance (sum of the sizes of all forces at both ends of the step)`, each entry weighted with 1/sqrt(M_kk).
-/// Locked coordinates keep their place and have no row.
+/// until `|r| <= tolerance (sum of the sizes of all forces at both ends of the step)`, each entry weighted with
+/// 1/sqrt(M_kk). Locked coordinates keep their place and have no row.
 #[derive(Debug, Clone)]
 pub struct Solver {
     parameters: Parameters,
@@ -57,7 +57,8 @@ impl Solver {
         Workspace::new(self.dynamics.modes())
     }
 
-    /// At rest at t = 0 in the scene's pose, with the beam bent by `initial_modes` (q, m sqrt(kg/m); empty for straight, or N).
+    /// At rest at t = 0 in the scene's pose, with the beam bent by `initial_modes` (q, m sqrt(kg/m); empty for
+    /// straight, or N).
     ///
     /// The acceleration is zero: it belongs to a load, and there is none before the first step.
     ///
@@ -77,12 +78,13 @@ impl Solver {
         Ok(state)
     }
 
-    /// Advances `state` by `duration` s under the mean `load` of the step: fx, fy in N, mz in N m about o_R, q_i in N/sqrt(kg/m),
-    /// each per metre of width, 3 + N entries. Loads on locked coordinates are checked and have no effect.
+    /// Advances `state` by `duration` s under the mean `load` of the step: fx, fy in N, mz in N m about o_R, q_i in
+    /// N/sqrt(kg/m), each per metre of width, 3 + N entries. Loads on locked coordinates are checked and have no
+    /// effect.
     ///
     /// # Errors
-    /// A load or state that is not finite or of the wrong length, a step that is not positive, a system that is singular or
-    /// does not converge. `state` is then as it was.
+    /// A load or state that is not finite or of the wrong length, a step that is not positive, a system that is
+    /// singular or does not converge. `state` is then as it was.
     pub fn step(
         &self,
         state: &mut State,
@@ -182,7 +184,8 @@ impl Solver {
         }
     }
 
-    /// The acceleration that goes out: Newmark's own, or for generalised-alpha (whose own belongs to an earlier time) that of equilibrium.
+    /// The acceleration that goes out: Newmark's own, or for generalised-alpha (whose own belongs to an earlier time)
+    /// that of equilibrium.
     fn end_acceleration(
         &self,
         time: f64,
@@ -226,8 +229,8 @@ impl Solver {
         self.check_state(state)
     }
 
-    /// Refuses a state that is not one of this structure: lists of other lengths, numbers that are none, a locked coordinate
-    /// that moves.
+    /// Refuses a state that is not one of this structure: lists of other lengths, numbers that are none, a locked
+    /// coordinate that moves.
     ///
     /// # Errors
     /// What is wrong, with the numbers.

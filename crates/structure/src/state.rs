@@ -11,7 +11,8 @@ pub struct State {
     pub time: f64,
     /// Coordinates, rates and accelerations, in equilibrium with the load of the last step.
     pub motion: Motion,
-    /// Acceleration memory of generalised-alpha; None before its first step, and always for Newmark, which has no memory.
+    /// Acceleration memory of generalised-alpha; None before its first step, and always for Newmark, which has no
+    /// memory.
     pub algorithmic_acceleration: Option<DVector<f64>>,
 }
 
@@ -61,7 +62,8 @@ pub struct Report {
     pub unknowns: usize,
     /// Newton-Raphson iterations (linear systems solved).
     pub iterations: usize,
-    /// Last relative residual: residual force over the sizes of all forces, both weighted by the diagonal of the mass matrix.
+    /// Last relative residual: residual force over the sizes of all forces, both weighted by the diagonal of the mass
+    /// matrix.
     pub residual: f64,
 }
 

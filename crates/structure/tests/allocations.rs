@@ -20,7 +20,8 @@ fn steps_do_not_pile_up_memory() {
     };
     for steps in [100, 1000] {
         let (info, iterations) = count(steps);
-        // Per step the load, the factor of M, two vectors and the accelerations; per iteration a matrix, its pivots, a vector.
+        // Per step the load, the factor of M, two vectors and the accelerations; per iteration a matrix, its pivots, a
+        // vector.
         let allowed = 8 * steps as u64 + 4 * iterations;
         assert!(info.count_total <= allowed, "{} allocations in {steps} steps", info.count_total);
         assert_eq!((info.count_current, info.bytes_current), (0, 0));

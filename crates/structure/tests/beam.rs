@@ -117,7 +117,8 @@ fn static_deflections_agree_with_beam_theory() {
 
 #[test]
 fn gravity_bends_a_leaning_plate_towards_the_ground() {
-    // A cantilever that leans by -90 degrees lies along +X with +eta (body -x) pointing up: it sags by rho_l g l^4/(8 EJ).
+    // A cantilever that leans by -90 degrees lies along +X with +eta (body -x) pointing up: it sags by
+    // rho_l g l^4/(8 EJ).
     let integrator = Integrator::GeneralisedAlpha { rho_infinity: 0.0 };
     let angle = -std::f64::consts::FRAC_PI_2;
     let parameters = Parameters { integrator, angle, gravity: 9.81, ..clamped(ClampedFree, 30, 100.0) };
@@ -132,7 +133,8 @@ fn gravity_bends_a_leaning_plate_towards_the_ground() {
 
 #[test]
 fn a_hanging_bulkhead_swings_as_a_physical_pendulum() {
-    // Zero modes: a rigid bulkhead. It hangs d below o_R, about which alone the body turns; the start angle is the scene's.
+    // Zero modes: a rigid bulkhead. It hangs d below o_R, about which alone the body turns; the start angle is the
+    // scene's.
     let amplitude = 2.0_f64;
     let mut parameters = Parameters { free: [false, false, true], ..cabin(0, 50.0, 9.81) };
     parameters.angle = amplitude;

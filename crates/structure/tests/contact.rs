@@ -59,7 +59,8 @@ fn tangents_of_a_touch_are_derivatives() {
     }
 }
 
-/// Dropped from 50 mm at a slant it comes to rest on two corners, each half as deep as one would be; its energy only falls.
+/// Dropped from 50 mm at a slant it comes to rest on two corners, each half as deep as one would be; its energy only
+/// falls.
 #[test]
 fn a_dropped_box_comes_to_rest_on_the_floor() {
     let solver = box_over_a_floor(5.0);

@@ -8,7 +8,8 @@ use structure::{Integrator, Parameters, Solver, State};
 
 const ALPHA: Integrator = Integrator::GeneralisedAlpha { rho_infinity: 0.6 };
 
-/// Position and velocity after 0.2 s of the tumbling cabin under a load that varies smoothly, as its mean over every step.
+/// Position and velocity after 0.2 s of the tumbling cabin under a load that varies smoothly, as its mean over every
+/// step.
 fn end(integrator: Integrator, steps: usize) -> Vec<f64> {
     let solver = Solver::new(Parameters { integrator, ..cabin(3, 40.0, 9.81) }).unwrap();
     let (mut state, mut workspace) = (tumbling(&solver), solver.workspace());

@@ -1,4 +1,5 @@
-//! `plimsoll bench`: the schemes of the fluid compared by error and by run time, and what a step costs, as dated records.
+//! `plimsoll bench`: the schemes of the fluid compared by error and by run time, and what a step costs, as dated
+//! records.
 
 pub mod comparison;
 pub mod page;
@@ -38,8 +39,8 @@ pub enum Bench {
     /// Time an internal step, stage by stage, from 10^3 to 10^6 particles, and what parts of the method cost.
     ///
     /// Writes into the folder: speed.md and speed.csv. Counts nothing but internal steps: no output is written and no
-    /// figure is read meanwhile. With --against, the times of an earlier table stand beside these as a ratio; on another
-    /// machine that ratio says more of the machines than of the program.
+    /// figure is read meanwhile. With --against, the times of an earlier table stand beside these as a ratio; on
+    /// another machine that ratio says more of the machines than of the program.
     Speed(speed::SpeedArguments),
 }
 

@@ -101,7 +101,8 @@ pub(super) fn root_mean(points: &[(f64, f64)]) -> Result<f64, String> {
     }
 }
 
-/// Root mean square distance from the running mean over `window` \[s\], at the records with half a window on both sides.
+/// Root mean square distance from the running mean over `window` \[s\], at the records with half a window on both
+/// sides.
 pub(super) fn noise(points: &[(f64, f64)], window: f64) -> Result<f64, String> {
     let (half, slack) = (0.5 * window, 1e-9 * window);
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Err("there are no records".into()) };

@@ -66,8 +66,8 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Steps and wall-clock seconds of a run: particles are taken to move as fast as water that falls from the highest to the
-/// lowest.
+/// Steps and wall-clock seconds of a run: particles are taken to move as fast as water that falls from the highest to
+/// the lowest.
 fn estimate(scene: &Scene, particles: &[[f32; 2]], coordinates: usize) -> (f64, f64) {
     let Some(fluid) = &scene.fluid else { return (0.0, 0.0) };
     let heights = particles.iter().map(|place| f64::from(place[1]));

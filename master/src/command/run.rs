@@ -35,7 +35,8 @@ pub(crate) struct RunArguments {
     /// Threads of the fluid; 0 takes all processors [default: as the scene says].
     #[arg(long)]
     pub(crate) threads: Option<usize>,
-    /// Go on from the checkpoint in the folder for the results, if there is one, with the same bits as without the stop.
+    /// Go on from the checkpoint in the folder for the results, if there is one, with the same bits as without the
+    /// stop.
     #[arg(long)]
     pub(crate) resume: bool,
     /// What is said on standard error.

@@ -64,6 +64,25 @@ pub struct Memory {
     amplification: f64,
 }
 
+/// Below this step an attempt that fails is not halved again.
+fn smallest_step(parameters: &Parameters, system: &System) -> f64 {
+    let variable = system.descriptions().all(|(_, description)| description.variable_step);
+    match parameters.coupling.smallest_step {
+        _ if !variable => parameters.step,
+        smallest if smallest > 0.0 => smallest,
+        _ => parameters.step / 64.0,
+    }
+}
+
+/// What to say where a participant saves no states.
+fn warn_of_states(system: &System) -> Option<String> {
+    let (name, _) = system.descriptions().find(|(_, description)| !description.saves_states)?;
+    Some(format!(
+        "{name} saves no states, so steps cannot be repeated: the exchange is explicit and stable only while the \
+         participants answer to each other weakly"
+    ))
+}
+
 /// Drives a system through its run, one accepted step at a time.
 pub struct Stepper {
     memory: Memory,
@@ -90,25 +109,14 @@ impl Stepper {
         if accelerator.is_some() {
             require_states(system)?;
         }
-        let variable = system.descriptions().all(|(_, description)| description.variable_step);
-        let smallest = match coupling.smallest_step {
-            _ if !variable => parameters.step,
-            smallest if smallest > 0.0 => smallest,
-            _ => parameters.step / 64.0,
-        };
         let absolute = |name: &String| {
             let own = parameters.tolerances.iter().find(|(known, _)| known == name);
             own.map_or(coupling.tolerance_absolute, |(_, tolerance)| *tolerance)
         };
         let tolerance = |name| Tolerance { relative: coupling.tolerance_relative, absolute: absolute(name) };
-        let mut warnings = Vec::new();
-        let stateless = system.descriptions().find(|(_, description)| !description.saves_states);
-        if let (Method::Auto, Some((name, _)), false) = (coupling.method, stateless, names.is_empty()) {
-            warnings.push(format!(
-                "{name} saves no states, so steps cannot be repeated: the exchange is explicit and stable only while the \
-                 participants answer to each other weakly"
-            ));
-        }
+        let explicit = coupling.method == Method::Auto && !names.is_empty();
+        let warnings = if explicit { warn_of_states(system).into_iter().collect() } else { Vec::new() };
+        let smallest = smallest_step(parameters, system);
         let memory = Memory {
             clock: Clock::new(parameters.start, parameters.end, parameters.step, smallest),
             predictor: Predictor::new(coupling.predictor_order, system.produced()),
@@ -243,8 +251,8 @@ impl Stepper {
 }
 
 impl Stepper {
-    /// Gives Newton's method the Jacobian of the pass that was just made. A Jacobian that foretells wrongly is not used:
-    /// `iqn_ils` takes over.
+    /// Gives Newton's method the Jacobian of the pass that was just made. A Jacobian that foretells wrongly is not
+    /// used: `iqn_ils` takes over.
     fn supply_jacobian(&mut self, system: &mut System, time: f64, used: &[f64], produced: &[f64]) -> Result<(), Error> {
         let Some(Accelerator::Newton(newton)) = &mut self.memory.accelerator else { return Ok(()) };
         if let Some(missed) = newton.missed(used, produced) {
@@ -300,8 +308,8 @@ fn gives_derivatives(system: &System) -> bool {
     system.descriptions().all(|(_, description)| description.derivatives)
 }
 
-/// `auto` stands for `newton` where all participants give derivatives, for `explicit` where one saves no states, and else
-/// for `iqn_ils`.
+/// `auto` stands for `newton` where all participants give derivatives, for `explicit` where one saves no states, and
+/// else for `iqn_ils`.
 fn resolve(method: Method, system: &System) -> Result<Method, Error> {
     let stateless = system.descriptions().any(|(_, description)| !description.saves_states);
     let without = system.descriptions().find(|(_, description)| !description.derivatives);

@@ -85,7 +85,8 @@ impl Library {
     }
 }
 
-/// Whether all that a shared library promises to have is in the file: to load one that was cut off would end the process.
+/// Whether all that a shared library promises to have is in the file: to load one that was cut off would end the
+/// process.
 fn check_whole(binary: &Path) -> Result<(), String> {
     let content = std::fs::read(binary).map_err(|error| error.to_string())?;
     let file = object::File::parse(&*content).map_err(|error| error.to_string())?;

@@ -136,10 +136,10 @@ impl View {
     }
 }
 
-/// Corners of the box of a panel's particles without the outermost thousandth on each side: drops that fly off on their
+/// Corners of the box of a panel's particles without the outermost two-hundredth on each side: drops that fly off on their
 /// own would make everything else small.
 fn body_of_water(panel: &Panel) -> Option<[[f32; 2]; 2]> {
-    let out = panel.particles.len() / 1000;
+    let out = panel.particles.len() / 200;
     let mut corners = [[0.0; 2]; 2];
     for axis in 0..2 {
         let mut places: Vec<f32> = panel.particles.iter().map(|point| point[axis]).collect();

@@ -128,8 +128,8 @@ fn range(values: impl Iterator<Item = f64>, (below, above): (f64, f64)) -> (f64,
     (low / margin(below), high * margin(above))
 }
 
-/// Multiples of powers of ten inside a range: fewer per decade the more decades it spans, and tenths of the power in one
-/// so narrow that it would have none.
+/// Multiples of powers of ten inside a range: fewer per decade the more decades it spans, and tenths of the power in
+/// one so narrow that it would have none.
 fn ticks((low, high): (f64, f64)) -> Vec<f64> {
     let decades = (high / low).log10();
     let steps: Vec<f64> = match decades {

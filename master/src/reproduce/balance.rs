@@ -22,8 +22,8 @@ pub fn largest_rise(points: &[(f64, f64)]) -> f64 {
     points.iter().map(rise).fold(0.0, f64::max)
 }
 
-/// Change of the momentum of water and cabin along X up to a time, and what the fixed walls gave \[N s/m\]: they are equal where
-/// nothing else acts, without damping zones and contact.
+/// Change of the momentum of water and cabin along X up to a time, and what the fixed walls gave \[N s/m\]: they are
+/// equal where nothing else acts, without damping zones and contact.
 pub fn momentum_along_x(series: &Series, until: f64) -> Option<(f64, f64)> {
     let names = ["fluid.momentum.x", "structure.momentum.x", "fluid.wall.force_x"];
     let [water, cabin, wall] = names.map(|name| series.column(name));

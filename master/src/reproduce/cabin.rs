@@ -15,7 +15,8 @@ pub const PERIOD: f64 = 1.2;
 /// The paper's table 2 \[kPa\]: peak at P1, average at P1, peak at P2, average at P2, for each model.
 pub const TABLE: [[f64; 4]; 4] =
     [[15.41, 4.50, 21.47, 7.59], [16.71, 5.59, 18.55, 8.70], [22.36, 5.90, 25.94, 8.88], [35.91, 7.94, 56.15, 9.50]];
-/// Probes of the scene: P1, P2, then the stations of the bulkhead's flooded face from the bottom up, then the other face.
+/// Probes of the scene: P1, P2, then the stations of the bulkhead's flooded face from the bottom up, then the other
+/// face.
 pub const STATIONS: usize = 7;
 /// Height from the lowest station to the highest \[m\].
 const HEIGHT: f64 = 0.43;

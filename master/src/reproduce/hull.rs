@@ -1,7 +1,7 @@
 //! The cabin's walls with openings in other places, and the cabin held: changes of the scene damaged_cabin.
 
-/// Half the width, height of the keel and of the deck above the centre of gravity, and thickness of the walls \[m\]: as in the
-/// scene damaged_cabin.
+/// Half the width, height of the keel and of the deck above the centre of gravity, and thickness of the walls \[m\]: as
+/// in the scene damaged_cabin.
 const HALF: f64 = 0.35;
 const KEEL: f64 = -0.266792;
 const DECK: f64 = 0.253208;

@@ -20,8 +20,8 @@ pub enum Reproduce {
     /// The damaged cabin with bulkheads of four stiffnesses (sections 3.2 and 3.3).
     ///
     /// Runs the scene damaged_cabin as models I to IV, each into its own folder, and writes report.html, which opens by
-    /// itself: every history of the four side by side, the pressure along the bulkhead, the paper's table 2 beside ours, each
-    /// of its trends as found or not found, with the numbers, the field, and an animation.
+    /// itself: every history of the four side by side, the pressure along the bulkhead, the paper's table 2 beside
+    /// ours, each of its trends as found or not found, with the numbers, the field, and an animation.
     Cabin(CabinArguments),
     /// Everything: the dam break on an elastic plate at three spacings and the four cabins.
     Paper(PaperArguments),

@@ -6,8 +6,8 @@
 //!
 //!   b_k = -rho sum L g_k,      Q_k = sum (p + rho (f - a_w).n h) L g_k,      M_lk = sum rho L h g_l g_k - sum L g_l P_k.
 //!
-//! M is symmetric, positive semi-definite, and exact for the discrete water: the load that it foretells is the one that the
-//! next solve gives.
+//! M is symmetric, positive semi-definite, and exact for the discrete water: the load that it foretells is the one that
+//! the next solve gives.
 
 use super::cells::{Cells, WallFacet};
 use crate::matrix::Matrix;
@@ -52,8 +52,8 @@ struct Block<const K: usize> {
 pub struct Responses {
     /// Facets in the order of particles.
     pub facets: Vec<MovingFacet>,
-    /// Work of a unit normal force on each facet by each coordinate \[m, m2, modal\]: facet after facet. The same numbers
-    /// give the normal velocity of the wall there.
+    /// Work of a unit normal force on each facet by each coordinate \[m, m2, modal\]: facet after facet. The same
+    /// numbers give the normal velocity of the wall there.
     work: Vec<f64>,
     /// First facet of each particle, and the number of facets.
     starts: Vec<u32>,
@@ -132,8 +132,8 @@ impl Responses {
         self.find_added_mass(density);
     }
 
-    /// M from the unit responses, corrected by their residuals r = b - A P to an error of the square of theirs: the work of
-    /// P_k is that of b_l . P_k + P_l . r_k.
+    /// M from the unit responses, corrected by their residuals r = b - A P to an error of the square of theirs: the
+    /// work of P_k is that of b_l . P_k + P_l . r_k.
     fn find_added_mass(&mut self, density: f64) {
         let mut mass = std::mem::take(&mut self.mass);
         if mass.nrows() != self.size {

@@ -230,8 +230,8 @@ impl Shape<'_> {
         label > BOX - MOST_WALLS && label != BOX && (self.planes)(label).distance <= 0.0
     }
 
-    /// Whether the water ends before corner k. It does not reach round the corner of a solid along a wall whose other end
-    /// lies in empty space.
+    /// Whether the water ends before corner k. It does not reach round the corner of a solid along a wall whose other
+    /// end lies in empty space.
     fn is_beyond(&self, k: usize) -> bool {
         let count = self.corners.len();
         let (before, after) = ((k + count - 1) % count, (k + 1) % count);

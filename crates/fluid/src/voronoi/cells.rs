@@ -153,8 +153,8 @@ impl Cells {
     }
 
     /// Brings the facets together, and lets two cells have the same facet between them where a wall cuts them
-    /// differently, or rounding decided whether a corner lies in empty space: the matrix is symmetric, and what one cell
-    /// gives the other takes. Chunks of particles whose facets are all sure are taken as they are.
+    /// differently, or rounding decided whether a corner lies in empty space: the matrix is symmetric, and what one
+    /// cell gives the other takes. Chunks of particles whose facets are all sure are taken as they are.
     fn agree(&mut self, setup: &Setup) {
         let count = setup.positions.len();
         self.mended.resize(count.div_ceil(CHUNK), false);
@@ -220,8 +220,8 @@ impl Seen<'_> {
         self.sure.of(i).iter().any(|facet| self.odd[facet.neighbour as usize])
     }
 
-    /// The facets of cell i that its neighbours see too. What only it sees becomes a piece of wall among the `fillers`, so
-    /// that cells stay closed; an open cell counts it to its free surface.
+    /// The facets of cell i that its neighbours see too. What only it sees becomes a piece of wall among the `fillers`,
+    /// so that cells stay closed; an open cell counts it to its free surface.
     fn agree(&self, i: usize, slack: f64, out: &mut Vec<Facet>, mut fillers: Option<&mut Vec<WallFacet>>) {
         for facet in self.of(i) {
             let j = facet.neighbour as usize;

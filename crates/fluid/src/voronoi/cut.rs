@@ -118,8 +118,8 @@ fn cut_one<S: Simd>(
     Cell { area: polygon::area(&corners[begin..]), odd: true, ..Cell::default() }
 }
 
-/// The outline of the part of the box around a particle that is nearer to it than to any other that it sees, appended to
-/// `corners`; returns its largest squared distance \[m2\].
+/// The outline of the part of the box around a particle that is nearer to it than to any other that it sees, appended
+/// to `corners`; returns its largest squared distance \[m2\].
 #[inline(always)]
 fn surround<S: Simd>(simd: S, view: &View, around: &mut Surroundings, corners: &mut Vec<Corner>) -> f64 {
     let spacing = view.setup.spacing;
@@ -171,8 +171,8 @@ fn close(around: &Surroundings, corners: &[Corner], facets: &mut Vec<Facet>) -> 
     Cell { area, centroid, ..Cell::default() }
 }
 
-/// Takes the solids near particle i out of its outline, the corners from `begin` on. Appends a plane for every wall that
-/// may be an edge of what remains.
+/// Takes the solids near particle i out of its outline, the corners from `begin` on. Appends a plane for every wall
+/// that may be an edge of what remains.
 fn take_out_solids(view: &View, reach: f64, begin: usize, corners: &mut Vec<Corner>, planes: &mut Vec<WallPlane>) {
     let View { setup, i, here, .. } = view;
     let (walls, spacing) = (setup.walls, setup.spacing);

@@ -28,8 +28,8 @@ impl Groups {
     /// Finds groups of cells that hang together with no free surface. Small ones get a vent, a conductance in `to_air`;
     /// the return value says whether a large one remains.
     ///
-    /// Groups are found within chunks of particles at once, and then joined across them: the groups are the same whatever
-    /// the order.
+    /// Groups are found within chunks of particles at once, and then joined across them: the groups are the same
+    /// whatever the order.
     pub fn settle(&mut self, cells: &Cells, to_air: &mut [f64]) -> bool {
         let count = to_air.len();
         self.leader.resize(count, 0);

@@ -108,7 +108,8 @@ impl Lines {
         hits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other, on_other)| (other, on_other))
     }
 
-    /// Where the outline goes on from the place `along` a line: the next line, where it is joined, and how far along it.
+    /// Where the outline goes on from the place `along` a line: the next line, where it is joined, and how far along
+    /// it.
     fn follow(&self, line: usize, along: f64) -> Option<(usize, Vector2<f64>, f64)> {
         let own = &self.lines[line];
         let joined = self.continuation(line);

@@ -24,10 +24,10 @@ pub struct Prepared {
     cells_of: Option<u64>,
     /// Time at the start of the step \[s\].
     pub time: f64,
-    /// Foretold coordinates of the body in the middle of the step, where its walls stand during it. Positions of particles
-    /// belong to the middle of a step as well, velocities to its ends: the load on the walls is then that of the middle
-    /// of the step over which it is held. A load of the start would feed every oscillation of frequency w with a negative
-    /// damping of w^2 dt / 4.
+    /// Foretold coordinates of the body in the middle of the step, where its walls stand during it. Positions of
+    /// particles belong to the middle of a step as well, velocities to its ends: the load on the walls is then that of
+    /// the middle of the step over which it is held. A load of the start would feed every oscillation of frequency w
+    /// with a negative damping of w^2 dt / 4.
     pub middle: Motion,
     /// Walls at those coordinates.
     pub walls: Walls,

@@ -11,8 +11,8 @@ use nalgebra::Vector2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Smallest and largest area of a cell over its particle's own whose mass counts as that of the cell. A splinter between
-/// two walls that close on it would be thrown out at any speed.
+/// Smallest and largest area of a cell over its particle's own whose mass counts as that of the cell. A splinter
+/// between two walls that close on it would be thrown out at any speed.
 const SMALLEST: f64 = 0.5;
 const LARGEST: f64 = 2.0;
 
@@ -98,8 +98,8 @@ pub fn shift(
 }
 
 /// Change of the velocity field from particle i over `way`, which makes no new extremes: up to what its neighbours have
-/// beyond it. A particle that is faster than all others tilts its own gradient; moved back along it again and again it would
-/// get faster each time.
+/// beyond it. A particle that is faster than all others tilts its own gradient; moved back along it again and again it
+/// would get faster each time.
 fn change_along(prepared: &Prepared, i: usize, way: &Vector2<f64>) -> Vector2<f64> {
     if *way == Vector2::zeros() {
         return Vector2::zeros();
@@ -136,7 +136,8 @@ fn part_pairs(state: &mut State, prepared: &Prepared, spacing: f64, scratch: &mu
     state.positions.par_iter_mut().zip(&*scratch).with_min_len(CHUNK).for_each(|(position, way)| *position += way);
 }
 
-/// Sum of the vectors away from particles and walls' images nearer than `CROWDED` spacings, as long as these are nearer.
+/// Sum of the vectors away from particles and walls' images nearer than `CROWDED` spacings, as long as these are
+/// nearer.
 fn away_from_crowds(prepared: &Prepared, i: usize, spacing: f64) -> Vector2<f64> {
     let all = prepared.cells.facets_and_walls(i);
     -all.map(|facet| facet.normal * (CROWDED * spacing - 2.0 * facet.height).max(0.0)).sum::<Vector2<f64>>()

@@ -1,8 +1,8 @@
 //! The particles around one, and the walk along their bisectors that is the outline of its cell.
 //!
 //! Seen from the particle, the neighbour at c bounds the cell by the line c.x = |c|^2 / 2. From the line of the nearest
-//! neighbour, which always bounds the cell, the walk goes counter-clockwise: on the line of d, at d / 2 + t d' with d' at
-//! right angles to d, the cell ends where the first other line is met,
+//! neighbour, which always bounds the cell, the walk goes counter-clockwise: on the line of d, at d / 2 + t d' with d'
+//! at right angles to d, the cell ends where the first other line is met,
 //!
 //!   t = min over c with c.d' > 0 of (|c|^2 / 2 - c.d / 2) / (c.d'),
 //!
@@ -130,9 +130,9 @@ impl Surroundings {
         (Vector2::new(self.x[lane] / distance, self.y[lane] / distance), 0.5 * distance)
     }
 
-    /// Walks round the cell, both ways at once from the nearest neighbour: half as many steps wait for each other. Appends
-    /// its corners, counter-clockwise; edges shorter than `slack` \[m\] are left out. Returns the largest squared distance
-    /// of a corner, infinite where nothing closes the cell.
+    /// Walks round the cell, both ways at once from the nearest neighbour: half as many steps wait for each other.
+    /// Appends its corners, counter-clockwise; edges shorter than `slack` \[m\] are left out. Returns the largest
+    /// squared distance of a corner, infinite where nothing closes the cell.
     #[inline(always)]
     pub fn walk<S: Simd>(&mut self, simd: S, own: u32, slack: f64, corners: &mut Vec<Corner>) -> f64 {
         let lanes = self.complete(own, slack);
@@ -226,8 +226,8 @@ impl Surroundings {
         lane_of(simd.reduce_min_f64s(best))
     }
 
-    /// Where on the line of a lane the cell ends, counter-clockwise for `way` 1, clockwise for -1, and the lane whose line
-    /// it meets there. The lane travels in the last bits of the number: a relative change of 1e-14.
+    /// Where on the line of a lane the cell ends, counter-clockwise for `way` 1, clockwise for -1, and the lane whose
+    /// line it meets there. The lane travels in the last bits of the number: a relative change of 1e-14.
     #[inline(always)]
     fn follow<S: Simd>(&self, simd: S, lane: usize, lanes: usize, way: f64) -> (f64, usize) {
         let (x, y) = (S::as_simd_f64s(&self.x[..lanes]).0, S::as_simd_f64s(&self.y[..lanes]).0);

@@ -15,8 +15,8 @@ pub struct Case {
     pub steps: usize,
 }
 
-/// The column of the common dam break, which just begins to fall, with 10^3 to 10^6 particles, and the same tank when the
-/// water has hit the wall.
+/// The column of the common dam break, which just begins to fall, with 10^3 to 10^6 particles, and the same tank when
+/// the water has hit the wall.
 pub const SIZES: [Case; 5] = [
     column("column, 1e3 particles", &[("fluid.spacing", "0.0065")], 400),
     column("column, 1e4 particles", &[("fluid.spacing", "0.00206")], 200),

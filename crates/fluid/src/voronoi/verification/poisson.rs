@@ -83,8 +83,8 @@ fn error(order: Order, across: usize) -> f64 {
     squares(&|i| solution[i] - exact(&water.positions[i])) / squares(&|i| exact(&water.positions[i]))
 }
 
-/// Second order on lattices and nearly so on relaxed particles, with 0.006 % of error at 128 across. Strong jitter makes
-/// the free surface rough, which shows at the finest resolutions.
+/// Second order on lattices and nearly so on relaxed particles, with 0.006 % of error at 128 across. Strong jitter
+/// makes the free surface rough, which shows at the finest resolutions.
 #[test]
 fn the_solution_of_a_poisson_problem_converges() {
     let least = [(Order::Square, 1.95), (Order::Hexagonal, 1.95), (Order::Jittered(0.2), 1.45), (Order::Relaxed, 1.7)];
