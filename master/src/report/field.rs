@@ -23,8 +23,10 @@ pub struct Panel {
     pub particles: Vec<[f32; 2]>,
     /// What colours each particle, in SI: its pressure or its speed.
     pub values: Vec<f32>,
-    /// Lines of walls and structure: start and end \[m\].
-    pub lines: Vec<Line>,
+    /// Lines of fixed walls: start and end \[m\].
+    pub walls: Vec<Line>,
+    /// Lines of the structure.
+    pub body: Vec<Line>,
 }
 
 impl Panel {
@@ -33,8 +35,14 @@ impl Panel {
         let near = |place: &[f32; 2]| (0..2).all(|axis| (f64::from(place[axis]) - centre[axis]).abs() <= half);
         let kept = self.particles.into_iter().zip(self.values).filter(|(place, _)| near(place));
         let (particles, values) = kept.unzip();
-        let lines = self.lines.into_iter().filter(|line| line.iter().any(near)).collect();
-        Self { title: title.to_string(), particles, values, lines }
+        let lines = |lines: Vec<Line>| lines.into_iter().filter(|line| line.iter().any(near)).collect();
+        let (walls, body) = (lines(self.walls), lines(self.body));
+        Self { title: title.to_string(), particles, values, walls, body }
+    }
+
+    /// All lines.
+    pub fn lines(&self) -> impl Iterator<Item = &Line> {
+        self.walls.iter().chain(&self.body)
     }
 }
 
@@ -113,7 +121,7 @@ impl FieldFigure {
 }
 
 impl View {
-    /// The box of all particles but a few drops, with room; walls beyond it are clipped.
+    /// The box of the structure and of all particles but a few drops, with room; walls beyond it are clipped.
     pub(super) fn of(panels: &[Panel]) -> Self {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
@@ -126,8 +134,8 @@ impl View {
         let any = panels.iter().any(|panel| !panel.particles.is_empty());
         panels.iter().filter_map(body_of_water).flatten().for_each(|corner| add(&corner));
         let horizontal = |line: &&[[f32; 2]; 2]| !any || (line[0][1] - line[1][1]).abs() < 1e-6;
-        let floor = panels.iter().flat_map(|panel| panel.lines.iter().filter(horizontal));
-        floor.flatten().for_each(&mut add);
+        let seen = panels.iter().flat_map(|panel| panel.walls.iter().filter(horizontal).chain(&panel.body));
+        seen.flatten().for_each(&mut add);
         if low[0] > high[0] {
             return Self { x: (0.0, 1.0), y: (0.0, 1.0) };
         }
@@ -136,10 +144,10 @@ impl View {
     }
 }
 
-/// Corners of the box of a panel's particles without the outermost two-hundredth on each side: drops that fly off on their
+/// Corners of the box of a panel's particles without the outermost five-hundredth on each side: drops that fly off on their
 /// own would make everything else small.
 fn body_of_water(panel: &Panel) -> Option<[[f32; 2]; 2]> {
-    let out = panel.particles.len() / 200;
+    let out = panel.particles.len() / 500;
     let mut corners = [[0.0; 2]; 2];
     for axis in 0..2 {
         let mut places: Vec<f32> = panel.particles.iter().map(|point| point[axis]).collect();
@@ -192,7 +200,7 @@ fn draw_panel(
     chart.draw_series(
         seen.map(|([x, y], value)| Circle::new((x, y), radius, colour(f64::from(*value), range).filled())),
     )?;
-    let inside = panel.lines.iter().filter_map(|line| clip(line, view));
+    let inside = panel.lines().filter_map(|line| clip(line, view));
     chart.draw_series(inside.map(|line| PathElement::new(line, BLACK.stroke_width(2))))?;
     Ok(())
 }
@@ -283,11 +291,12 @@ mod tests {
         let mut particles: Vec<[f32; 2]> =
             (0..3000).map(|i| [(i % 60) as f32 * 0.01, (i / 60) as f32 * 0.01]).collect();
         particles.extend([[0.1, 7.0], [-3.0, 0.2]]);
-        let panel =
-            Panel { title: String::new(), values: vec![0.0; 3002], particles, lines: vec![[[0.0, 0.0], [0.8, 0.0]]] };
+        let walls = vec![[[0.0, 0.0], [0.8, 0.0]], [[0.8, 0.0], [0.8, 9.0]]];
+        let body = vec![[[0.3, 0.5], [0.3, 0.7]]];
+        let panel = Panel { title: String::new(), values: vec![0.0; 3002], particles, walls, body };
         let view = View::of(&[panel]);
         let room = 0.04 * 0.8;
-        for (found, expected) in [(view.x.0, -room), (view.x.1, 0.8 + room), (view.y.0, -room), (view.y.1, 0.49 + room)]
+        for (found, expected) in [(view.x.0, -room), (view.x.1, 0.8 + room), (view.y.0, -room), (view.y.1, 0.7 + room)]
         {
             assert!((found - expected).abs() < 0.02, "{found} against {expected}");
         }
@@ -300,8 +309,8 @@ mod tests {
         let particles: Vec<[f32; 2]> = (0..400).map(|i| [(i % 20) as f32 * 0.01, (i / 20) as f32 * 0.01]).collect();
         assert!((spacing(&particles) - 0.01).abs() < 0.002, "{}", spacing(&particles));
         let values = particles.iter().map(|point| 9810.0 * (0.2 - point[1])).collect();
-        let lines = vec![[[0.0, 0.0], [0.5, 0.0]], [[0.0, 1.0], [0.0, 0.0]]];
-        let panel = Panel { title: "t = 0 s".into(), particles, values, lines };
+        let walls = vec![[[0.0, 0.0], [0.5, 0.0]], [[0.0, 1.0], [0.0, 0.0]]];
+        let panel = Panel { title: "t = 0 s".into(), particles, values, walls, body: Vec::new() };
         let figure = FieldFigure { panels: vec![panel.clone(), panel], columns: 2, quantity: Quantity::Speed };
         let png = figure.draw(&folder.path().join("field")).unwrap();
         assert!(std::fs::read(png).unwrap().len() > 5_000);

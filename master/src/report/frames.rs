@@ -63,7 +63,7 @@ impl Fields {
     /// # Errors
     /// A frame that cannot be read.
     pub fn panel(&self, time: f64, quantity: Quantity) -> Result<Panel, String> {
-        let (water, lines) = self.read(time)?;
+        let (water, body) = self.read(time)?;
         let values = match quantity {
             Quantity::Pressure => {
                 water.scalar("pressure").map_or_else(|| vec![0.0; water.points.len()], <[f32]>::to_vec)
@@ -73,7 +73,8 @@ impl Fields {
                 velocity.chunks_exact(3).map(|it| it[0].hypot(it[1])).collect()
             }
         };
-        Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, values, lines })
+        let walls = self.walls.clone();
+        Ok(Panel { title: format!("t = {time:.3} s"), particles: water.points, values, walls, body })
     }
 
     fn read(&self, time: f64) -> Result<(ReadFrame, Vec<Line>), String> {
@@ -83,7 +84,7 @@ impl Fields {
         };
         let water = near(&self.particles)?.unwrap_or_default();
         let body = near(&self.structure)?.unwrap_or_default();
-        Ok((water, self.walls.iter().copied().chain(lines(&body)).collect()))
+        Ok((water, lines(&body)))
     }
 }
 

@@ -118,7 +118,7 @@ impl Canvas {
             image.fill_path(&disc, &palette.paint(number), FillRule::Winding, Transform::identity(), None);
         }
         let mut lines = PathBuilder::new();
-        for [start, end] in &panel.lines {
+        for [start, end] in panel.lines() {
             let (a, b) = (self.pixel(start), self.pixel(end));
             lines.move_to(a.0, a.1);
             lines.line_to(b.0, b.1);
