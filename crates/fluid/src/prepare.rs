@@ -45,6 +45,11 @@ impl Setting {
         Self { paper, kernel, layout: WallLayout::new(&geometry, spacing), spacing, parameters, geometry }
     }
 
+    /// Number of modes of the body; 0 without one.
+    pub fn modes(&self) -> usize {
+        self.geometry.body.as_ref().map_or(0, |body| body.modes())
+    }
+
     /// Walls with the body at `coordinates`.
     pub fn walls(&self, coordinates: &DVector<f64>) -> Walls {
         let mut walls = Walls::default();

@@ -28,66 +28,39 @@ pub struct Outcome {
     pub residual: f64,
 }
 
+/// Where a solve starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Guess {
+    /// From what stands in `x`.
+    Given,
+    /// From zero, whatever stands in `x`.
+    Zero,
+}
+
 impl<const K: usize> ConjugateGradient<K> {
-    /// Solves A x = b from the starting guess in `x` until |r| <= tolerance |b|. Systems that are done wait for the
-    /// others; those with b = 0 have x = 0.
+    /// Solves A x = b until |r| <= tolerance |b|. Systems that are done wait for the others; those with b = 0 have x = 0.
     pub fn solve(
         &mut self,
         matrix: &Matrix,
         preconditioner: &Multigrid,
         b: &[[f64; K]],
         x: &mut [[f64; K]],
+        guess: Guess,
         parameters: &SolveParameters,
     ) -> Outcome {
-        let norm = self.begin(b);
-        if norm == [0.0; K] {
-            x.fill([0.0; K]);
-            return Outcome::default();
-        }
-        let scale = inverse(&norm);
-        let squares = self.start(matrix, b, x, &norm, &scale);
-        self.iterate(matrix, preconditioner, x, squares, &scale, parameters)
-    }
-
-    /// The same without a guess, whatever stands in `x`.
-    pub fn solve_from_zero(
-        &mut self,
-        matrix: &Matrix,
-        preconditioner: &Multigrid,
-        b: &[[f64; K]],
-        x: &mut [[f64; K]],
-        parameters: &SolveParameters,
-    ) -> Outcome {
-        let norm = self.begin(b);
-        x.fill([0.0; K]);
-        if norm == [0.0; K] {
-            return Outcome::default();
-        }
-        let scale = inverse(&norm);
-        self.residual.copy_from_slice(b);
-        self.smooth(matrix, &scale);
-        self.iterate(matrix, preconditioner, x, norm.map(|norm| norm * norm), &scale, parameters)
-    }
-
-    /// Makes room; returns |b|. With b = 0 everywhere nothing is left.
-    fn begin(&mut self, b: &[[f64; K]]) -> [f64; K] {
         self.resize(b.len());
         let norm = parallel::sums(b.len(), &mut self.partial, |i| b[i].map(|value| value * value)).map(f64::sqrt);
         if norm == [0.0; K] {
+            x.fill([0.0; K]);
             self.residual.fill([0.0; K]);
+            return Outcome::default();
         }
-        norm
-    }
-
-    fn iterate(
-        &mut self,
-        matrix: &Matrix,
-        preconditioner: &Multigrid,
-        x: &mut [[f64; K]],
-        mut squares: [f64; K],
-        scale: &[f64; K],
-        parameters: &SolveParameters,
-    ) -> Outcome {
+        let mut squares = match guess {
+            Guess::Given => self.start(matrix, b, x, &norm),
+            Guess::Zero => self.start_from_zero(b, x, &norm),
+        };
+        let scale = norm.map(|norm| if norm > 0.0 { 1.0 / norm } else { 0.0 });
+        self.smooth(matrix, &scale);
         let mut rho = [0.0; K];
         for iteration in 0..=parameters.maximum_iterations {
             let left: [f64; K] = std::array::from_fn(|k| squares[k].sqrt() * scale[k]);
@@ -97,12 +70,12 @@ impl<const K: usize> ConjugateGradient<K> {
                 return Outcome { iterations: iteration, residual };
             }
             let going: [bool; K] = std::array::from_fn(|k| left[k] > parameters.tolerance);
-            let next = self.precondition(matrix, preconditioner, scale);
+            let next = self.precondition(matrix, preconditioner, &scale);
             let beta = std::array::from_fn(|k| if iteration > 0 && going[k] { next[k] / rho[k] } else { 0.0 });
             rho = next;
             let curvature = self.turn(matrix, &beta);
             let alpha = std::array::from_fn(|k| if going[k] { rho[k] / curvature[k] } else { 0.0 });
-            squares = self.advance(matrix, x, &alpha, scale);
+            squares = self.advance(matrix, x, &alpha, &scale);
         }
         Outcome { iterations: parameters.maximum_iterations, residual: f64::NAN }
     }
@@ -120,26 +93,24 @@ impl<const K: usize> ConjugateGradient<K> {
         self.preconditioned.resize(size, [0.0; K]);
     }
 
-    /// r = b - A x and its first smoothing; returns |r|^2.
-    fn start(
-        &mut self,
-        matrix: &Matrix,
-        b: &[[f64; K]],
-        x: &mut [[f64; K]],
-        norm: &[f64; K],
-        scale: &[f64; K],
-    ) -> [f64; K] {
+    /// r = b - A x; returns |r|^2.
+    fn start(&mut self, matrix: &Matrix, b: &[[f64; K]], x: &mut [[f64; K]], norm: &[f64; K]) -> [f64; K] {
         for k in (0..K).filter(|&k| norm[k] == 0.0) {
             x.iter_mut().for_each(|x| x[k] = 0.0);
         }
         let x = &*x;
         self.partial.clear();
-        let squares = matrix.pass(x, &mut self.residual, &mut self.partial, |row, sums: [f64; K], residual| {
+        matrix.pass(x, &mut self.residual, &mut self.partial, |row, sums: [f64; K], residual| {
             *residual = std::array::from_fn(|k| b[row][k] - (matrix.diagonal[row] * x[row][k] - sums[k]));
             residual.map(|value| value * value)
-        });
-        self.smooth(matrix, scale);
-        squares
+        })
+    }
+
+    /// The same with x = 0.
+    fn start_from_zero(&mut self, b: &[[f64; K]], x: &mut [[f64; K]], norm: &[f64; K]) -> [f64; K] {
+        x.fill([0.0; K]);
+        self.residual.copy_from_slice(b);
+        norm.map(|norm| norm * norm)
     }
 
     /// The first smoothing of the residual.
@@ -203,7 +174,7 @@ impl<const K: usize> ConjugateGradient<K> {
 }
 
 impl ConjugateGradient<1> {
-    /// Solves one system.
+    /// Solves one system from the guess in `x`.
     pub fn solve_one(
         &mut self,
         matrix: &Matrix,
@@ -212,13 +183,8 @@ impl ConjugateGradient<1> {
         x: &mut [f64],
         parameters: &SolveParameters,
     ) -> Outcome {
-        self.solve(matrix, preconditioner, b.as_chunks().0, x.as_chunks_mut().0, parameters)
+        self.solve(matrix, preconditioner, b.as_chunks().0, x.as_chunks_mut().0, Guess::Given, parameters)
     }
-}
-
-/// 1 over each norm, 0 where there is none.
-fn inverse<const K: usize>(norm: &[f64; K]) -> [f64; K] {
-    norm.map(|norm| if norm > 0.0 { 1.0 / norm } else { 0.0 })
 }
 
 /// One damped Jacobi step from zero.

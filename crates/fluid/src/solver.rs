@@ -93,8 +93,7 @@ impl Solver {
             .num_threads(threads)
             .build()
             .map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
-        let modes = setting.geometry.body.as_ref().map_or(0, |body| body.modes());
-        let walls = setting.walls(&Motion::at_rest(modes).position);
+        let walls = setting.walls(&Motion::at_rest(setting.modes()).position);
         check::fits_together(&walls, &positions, spacing)?;
         check::no_overlap(&positions, spacing)?;
         let domain = domain(&walls, &positions);
@@ -104,7 +103,7 @@ impl Solver {
 
     /// Number of modes of the body; 0 without one.
     pub fn modes(&self) -> usize {
-        self.setting.geometry.body.as_ref().map_or(0, |body| body.modes())
+        self.setting.modes()
     }
 
     /// Whether the scheme gives an added mass.

@@ -15,7 +15,7 @@ use crate::multigrid::Multigrid;
 use crate::parallel;
 use crate::parameters::SolveParameters;
 use crate::prepare::Setting;
-use crate::pressure::ConjugateGradient;
+use crate::pressure::{ConjugateGradient, Guess};
 use crate::walls::{FIXED, WallLayout};
 use kinematics::{Body, MaterialPoint};
 use nalgebra::{DMatrix, DVector};
@@ -207,7 +207,7 @@ impl<const K: usize> Block<K> {
                 *right -= density * facet.wall.facet.length() * work[coordinate];
             }
         }
-        solver.solve_from_zero(system.matrix, system.multigrid, right, pressure, system.parameters).iterations
+        solver.solve(system.matrix, system.multigrid, right, pressure, Guess::Zero, system.parameters).iterations
     }
 
     /// Adds what the unit pressures do on a facet.
