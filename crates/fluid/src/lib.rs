@@ -55,4 +55,4 @@ pub use parameters::{
 pub use report::{Report, StageTimes};
 pub use solver::{Solver, Workspace};
 pub use stages::Stages;
-pub use state::State;
+pub use state::{AreaRate, State};

@@ -26,6 +26,7 @@ pub fn foretell(start: &Motion, time_step: f64, out: &mut Motion) {
     out.clone_from(start);
     out.position.axpy(time_step, &start.velocity, 1.0);
     out.position.axpy(0.5 * time_step * time_step, &start.acceleration, 1.0);
+    out.velocity.axpy(time_step, &start.acceleration, 1.0);
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The order of particles: neighbours in space stand near each other in memory.
 
 use crate::grid::bounding_box;
-use crate::state::State;
+use crate::state::{AreaRate, State};
 use nalgebra::Vector2;
 
 /// Internal steps between two sorts: particles travel a few spacings meanwhile.
@@ -22,6 +22,7 @@ pub struct Order {
     keys: Vec<(u64, u32)>,
     vectors: Vec<Vector2<f64>>,
     numbers: Vec<f64>,
+    rates: Vec<AreaRate>,
     flags: Vec<bool>,
 }
 
@@ -29,7 +30,7 @@ impl Order {
     /// Puts particles in the order of a Hilbert curve through cells of two spacings, those of one cell by their old
     /// order.
     pub fn sort(&mut self, state: &mut State, spacing: f64) {
-        let Self { keys, vectors, numbers, flags } = self;
+        let Self { keys, vectors, numbers, rates, flags } = self;
         let (low, _) = bounding_box(&state.positions);
         let size = CELL * spacing;
         let most = (1u32 << LEVELS) - 1;
@@ -48,6 +49,7 @@ impl Order {
         for values in [&mut state.pressures, &mut state.volumes, &mut state.number_densities] {
             permute(values, keys, numbers);
         }
+        permute(&mut state.area_rates, keys, rates);
         permute(&mut state.surface, keys, flags);
     }
 }

@@ -112,6 +112,7 @@ fn add(values: &mut [Vector2<f64>], changes: &[Vector2<f64>]) {
 }
 
 /// How particles touch walls; distances in metres.
+#[derive(Debug, Clone, Copy)]
 pub struct Contact {
     /// Distance below which an approaching particle collides.
     pub reach: f64,
@@ -123,18 +124,27 @@ pub struct Contact {
     pub spacing: f64,
 }
 
-/// Keeps particles in front of the walls where these stand at the end of the step; returns the number of contacts.
+impl Contact {
+    /// Contact that takes away the closing velocity of particles nearer than a tenth of a spacing.
+    pub fn inelastic(spacing: f64) -> Self {
+        let least = 0.1 * spacing;
+        Self { reach: least, restitution: 0.0, least, spacing }
+    }
+}
+
+/// Keeps particles in front of walls as they stand at one instant; returns the number of contacts. `velocity_of` gives
+/// the velocity of a place on a moving panel.
 ///
 /// A particle nearer than half the collision distance (so that its image is a colliding neighbour) loses its
 /// approaching velocity as in a collision, and none comes nearer than a tenth of a spacing.
 pub fn stop_at_walls(
-    state: &mut State,
+    (positions, velocities): (&mut [Vector2<f64>], &mut [Vector2<f64>]),
     attachments: &Lists<Attachment>,
     walls: &Walls,
     contact: &Contact,
     velocity_of: impl Fn(u32, f64) -> Vector2<f64> + Sync,
 ) -> usize {
-    let particles = state.positions.par_iter_mut().zip(&mut state.velocities).with_min_len(CHUNK).enumerate();
+    let particles = positions.par_iter_mut().zip(velocities).with_min_len(CHUNK).enumerate();
     let contacts = particles.map(|(i, (position, velocity))| {
         let mut contacts = 0;
         for entry in attachments.of(i) {
@@ -180,6 +190,7 @@ pub fn remove_lost(state: &mut State, low: &Vector2<f64>, high: &Vector2<f64>) -
     retain(&mut state.velocities, &keep);
     retain(&mut state.pressures, &keep);
     retain(&mut state.volumes, &keep);
+    retain(&mut state.area_rates, &keep);
     retain(&mut state.number_densities, &keep);
     retain(&mut state.surface, &keep);
     retain(&mut state.positions, &keep);

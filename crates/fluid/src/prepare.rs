@@ -69,9 +69,6 @@ impl Setting {
 pub struct Pace {
     /// Length of the step \[s\].
     pub time_step: f64,
-    /// Time over which forces act on the velocities \[s\]: these stand between the positions of two steps, so that it
-    /// is the mean length of the last step and this one. Otherwise every change of the length costs energy.
-    pub kick: f64,
     /// Length that stability would allow \[s\].
     pub stable_step: f64,
     /// Share of the communication step.

@@ -15,7 +15,7 @@ use crate::prepare::{Pace, Prepared, Setting};
 use crate::pressure::ConjugateGradient;
 use crate::report::Report;
 use crate::schedule::{Limits, next_step};
-use crate::state::State;
+use crate::state::{AreaRate, State};
 use crate::voronoi;
 use crate::walls::Walls;
 use kinematics::Motion;
@@ -52,8 +52,6 @@ pub struct Workspace {
     pub(crate) candidate: Option<State>,
     pub(crate) solve: ConjugateGradient<1>,
     pub(crate) target: Motion,
-    /// The body when the particles stand where a step has brought them.
-    pub(crate) after: Motion,
     /// Frozen coordinates with the velocities at the end of the step.
     pub(crate) frozen_end: Motion,
     pub(crate) end_walls: Walls,
@@ -132,6 +130,7 @@ impl Solver {
             velocities: self.start.iter().map(|place| self.setting.geometry.start.at(place)).collect(),
             pressures: vec![0.0; count],
             volumes: self.volumes.clone(),
+            area_rates: vec![AreaRate::default(); count],
             number_densities: vec![self.setting.kernel.reference_density; count],
             surface: vec![false; count],
             lost: 0,
@@ -149,7 +148,6 @@ impl Solver {
             candidate: None,
             solve: ConjugateGradient::default(),
             target: Motion::at_rest(modes),
-            after: Motion::at_rest(modes),
             frozen_end: Motion::at_rest(modes),
             end_walls: Walls::default(),
             end_panels: PanelMotion::default(),
@@ -187,7 +185,7 @@ impl Solver {
         self.check_body_inside(&state.motion, state.time)?;
         let mut report = Report::default();
         let time_step = self.limits_now(state).stable_step();
-        let pace = Pace { time_step, kick: time_step, stable_step: time_step, share: 1.0 };
+        let pace = Pace { time_step, stable_step: time_step, share: 1.0 };
         workspace.target.clone_from(&state.motion);
         self.pool.install(|| self.find_load(state, pace, workspace, &mut report))?;
         Ok(report)
@@ -203,7 +201,7 @@ impl Solver {
         self.pool.install(|| match &self.setting.parameters.scheme {
             Scheme::Paper(_) => observe::observe(&self.setting, state, None),
             Scheme::Accurate(_) => {
-                observe::observe(&self.setting, state, workspace.accurate.cells_of(&self.setting, state))
+                observe::observe(&self.setting, state, Some(workspace.accurate.cells_of(&self.setting, state)))
             }
         })
     }
@@ -250,8 +248,7 @@ impl Solver {
             done = if last { duration } else { done + time_step };
             workspace.target.clone_from(end);
             interpolate(&start.motion, end, duration, done / duration, &mut workspace.target);
-            let kick = self.kick(candidate.time_step, time_step);
-            let pace = Pace { time_step, kick, stable_step: now.stable_step(), share: time_step / duration };
+            let pace = Pace { time_step, stable_step: now.stable_step(), share: time_step / duration };
             self.internal_step(candidate, pace, workspace, &mut report)?;
             candidate.time = start.time + done;
         }
@@ -260,13 +257,6 @@ impl Solver {
         }
         report.suggested_step = SUGGESTED_SHARE * self.limits_now(candidate).stable_step();
         Ok(report)
-    }
-
-    /// Time over which forces act in a step of length `time_step` after one of length `last`. Where coordinates answer
-    /// to the load it is the length of the step: the impulse on them is that of the step.
-    fn kick(&self, last: f64, time_step: f64) -> f64 {
-        let smooth = last > 0.0 && self.setting.geometry.active.is_empty();
-        if smooth { (0.5 * (last + time_step)).min(LONGEST_KICK * time_step) } else { time_step }
     }
 
     /// Limits of the next internal step from the state alone.
@@ -337,9 +327,6 @@ fn domain(walls: &Walls, positions: &[Vector2<f64>]) -> (Vector2<f64>, Vector2<f
     (low.add_scalar(-margin), high.add_scalar(margin))
 }
 
-/// Longest time over which forces act in a step, over its length. A step is cut far shorter than the last one where
-/// water hits something: velocities jump there, and do not continue those of the last step.
-const LONGEST_KICK: f64 = 1.25;
 /// Share of the stable step that is suggested to a master, so that the next step needs no division although the flow
 /// gets faster meanwhile: only a step without division has a load that is exactly affine in the motion.
 const SUGGESTED_SHARE: f64 = 0.8;

@@ -20,7 +20,7 @@ impl<'a> Stages<'a> {
     /// Ready for a step of a given length \[s\]; none with the scheme `paper`.
     pub fn new(solver: &'a Solver, state: State, time_step: f64) -> Option<Self> {
         let Scheme::Accurate(accurate) = &solver.setting.parameters.scheme else { return None };
-        let pace = Pace { time_step, kick: time_step, stable_step: time_step, share: 1.0 };
+        let pace = Pace { time_step, stable_step: time_step, share: 1.0 };
         let mut stages = Self { solver, accurate, state, workspace: solver.workspace(), pace };
         stages.cells();
         stages.assembly();
@@ -58,8 +58,9 @@ impl<'a> Stages<'a> {
         let Workspace { accurate: prepared, vectors, .. } = workspace;
         let mut moved = state.clone();
         solver.pool.install(|| {
-            voronoi::step::correct(&mut moved, prepared, &solver.setting, *pace);
+            voronoi::step::kick(&mut moved, prepared, &solver.setting, pace.time_step);
             voronoi::step::shift(&mut moved, prepared, &solver.setting, accurate, pace.time_step, vectors);
+            voronoi::step::drift(&mut moved.positions, &moved.velocities, 0.5 * pace.time_step);
         });
     }
 }

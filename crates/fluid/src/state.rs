@@ -32,12 +32,25 @@ pub struct State {
     pub pressures: Vec<f64>,
     /// Areas that the particles own \[m2\].
     pub volumes: Vec<f64>,
+    /// What the last step left of the rates of cells' areas; zero with the scheme `paper`.
+    pub area_rates: Vec<AreaRate>,
     /// Number densities (dimensionless sums of weights).
     pub number_densities: Vec<f64>,
     /// Whether the particle lies on the free surface.
     pub surface: Vec<bool>,
     /// Particles that left the domain and were removed.
     pub lost: usize,
+}
+
+/// What a step leaves of the rate of a cell's area, which the next one goes on from \[m2/s\].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct AreaRate {
+    /// Rate with the velocities at the end of the step, in the middle of it.
+    pub left: f64,
+    /// Rate that the step asked for.
+    pub asked: f64,
+    /// Part of the difference that is still to be worked off.
+    pub due: f64,
 }
 
 impl Clone for State {
@@ -54,6 +67,7 @@ impl Clone for State {
             velocities: Vec::new(),
             pressures: Vec::new(),
             volumes: Vec::new(),
+            area_rates: Vec::new(),
             number_densities: Vec::new(),
             surface: Vec::new(),
             lost: 0,
@@ -74,6 +88,7 @@ impl Clone for State {
         self.velocities.clone_from(&source.velocities);
         self.pressures.clone_from(&source.pressures);
         self.volumes.clone_from(&source.volumes);
+        self.area_rates.clone_from(&source.area_rates);
         self.number_densities.clone_from(&source.number_densities);
         self.surface.clone_from(&source.surface);
     }
@@ -90,16 +105,18 @@ impl State {
             part.iter().for_each(|value| hash.add(value.to_bits()));
         }
         partial.resize(self.positions.len().div_ceil(CHUNK), 0);
-        let parts =
-            (self.positions.par_chunks(CHUNK), self.velocities.par_chunks(CHUNK), self.pressures.par_chunks(CHUNK));
-        (parts.0, parts.1, parts.2, &mut *partial).into_par_iter().for_each(
-            |(positions, velocities, pressures, hash)| {
+        let places = (self.positions.par_chunks(CHUNK), self.velocities.par_chunks(CHUNK));
+        let numbers = (self.pressures.par_chunks(CHUNK), self.area_rates.par_chunks(CHUNK));
+        (places.0, places.1, numbers.0, numbers.1, &mut *partial).into_par_iter().for_each(
+            |(positions, velocities, pressures, rates, hash)| {
                 let mut part = Hash(SEED);
                 for vector in positions.iter().chain(velocities) {
                     part.add(vector.x.to_bits());
                     part.add(vector.y.to_bits());
                 }
                 pressures.iter().for_each(|value| part.add(value.to_bits()));
+                let rates = rates.iter().flat_map(|rate| [rate.left, rate.asked, rate.due]);
+                rates.for_each(|value| part.add(value.to_bits()));
                 *hash = part.0;
             },
         );

@@ -79,6 +79,7 @@ impl Solver {
         length("velocities", state.velocities.len(), count)?;
         length("pressures", state.pressures.len(), count)?;
         length("volumes", state.volumes.len(), count)?;
+        length("area_rates", state.area_rates.len(), count)?;
         length("number_densities", state.number_densities.len(), count)?;
         length("surface", state.surface.len(), count)
     }
@@ -97,6 +98,8 @@ impl Solver {
         }
         usable("velocities, X and Y in turn", state.velocities.iter().flat_map(|velocity| velocity.iter()))?;
         usable("pressures", state.pressures.iter())?;
+        let rates = state.area_rates.iter().flat_map(|rate| [&rate.left, &rate.asked, &rate.due]);
+        usable("area_rates, left, asked and due in turn", rates)?;
         usable("number_densities", state.number_densities.iter())
     }
 }

@@ -4,7 +4,6 @@ use crate::Error;
 use crate::check;
 use crate::load::{self, PressureField};
 use crate::matrix::NO_ROW;
-use crate::motion::foretell;
 use crate::order;
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
@@ -57,7 +56,6 @@ impl Solver {
         particles::shift(state, &workspace.prepared, setting, time_step, &mut workspace.vectors);
         particles::collide(state, &workspace.prepared, setting, &mut workspace.vectors);
         particles::separate(state, &workspace.prepared, setting, &mut workspace.vectors);
-        workspace.after.clone_from(&workspace.target);
         report.contacts += self.keep_in_front(state, workspace);
         watch.lap(&mut report.stages.gradient);
         self.add_load(state, pace.share, workspace);
@@ -71,7 +69,8 @@ impl Solver {
         Ok(())
     }
 
-    /// One internal step on Voronoi cells.
+    /// One internal step on Voronoi cells, symmetric in time: drift over half of it, cells, walls and pressure in the
+    /// middle, kick over all of it, drift over the other half. Positions and velocities stand at its ends.
     fn accurate_step(
         &self,
         accurate: &AccurateParameters,
@@ -89,10 +88,11 @@ impl Solver {
             *sum += value * pace.share;
         }
         workspace.before.clone_from(&state.positions);
-        voronoi::step::correct(state, &workspace.accurate, setting, pace);
+        voronoi::step::kick(state, &workspace.accurate, setting, pace.time_step);
+        workspace.accurate.record_rates(&mut state.area_rates, &state.velocities, &workspace.target.velocity);
         voronoi::step::shift(state, &workspace.accurate, setting, accurate, pace.time_step, &mut workspace.vectors);
-        foretell(&workspace.target, 0.5 * pace.time_step, &mut workspace.after);
-        report.contacts += self.keep_in_front(state, workspace);
+        voronoi::step::drift(&mut state.positions, &state.velocities, 0.5 * pace.time_step);
+        report.contacts += workspace.accurate.contacts + self.keep_in_front(state, workspace);
         watch.lap(&mut report.stages.gradient);
         voronoi::step::record(state, &workspace.accurate, setting.kernel.reference_density);
         self.finish(state, pace.time_step, workspace)?;
@@ -122,13 +122,13 @@ impl Solver {
                 self.prepare_responses(state, workspace, report)?;
             }
             let Workspace { accurate: prepared, surplus, solution, target, .. } = &mut *workspace;
-            mean_acceleration(target, &state.motion, pace.kick, surplus);
+            mean_acceleration(target, &state.motion, pace.time_step, surplus);
             *surplus -= &state.motion.acceleration;
             solution.clone_from(&prepared.base);
             prepared.responses.add(surplus, solution);
         }
         let accelerations = &mut workspace.accurate.accelerations;
-        mean_acceleration(&workspace.target, &state.motion, pace.kick, accelerations);
+        mean_acceleration(&workspace.target, &state.motion, pace.time_step, accelerations);
         self.solve_for_walls(state.time, workspace, report)?;
         state.pressures.copy_from_slice(&workspace.solution);
         watch.lap(&mut report.stages.solve);
@@ -240,30 +240,30 @@ impl Solver {
         Ok(())
     }
 
-    /// Keeps particles in front of the walls where these stand after the step.
+    /// Keeps particles in front of the walls where these stand at the end of the step.
     fn keep_in_front(&self, state: &mut State, workspace: &mut Workspace) -> usize {
         let setting = &self.setting;
         let spacing = setting.spacing;
-        let least = 0.1 * spacing;
         let (attachments, walls, contact) = match &setting.parameters.scheme {
             Scheme::Paper(paper) => {
                 let reach = 0.5 * paper.collision_distance * spacing;
-                let contact = Contact { reach, restitution: paper.restitution, least, spacing };
+                let contact = Contact { reach, restitution: paper.restitution, ..Contact::inelastic(spacing) };
                 (&workspace.prepared.attachments, &workspace.prepared.walls, contact)
             }
             Scheme::Accurate(_) => {
-                let contact = Contact { reach: least, restitution: 0.0, least, spacing };
-                (&workspace.accurate.attachments, &workspace.accurate.walls, contact)
+                (&workspace.accurate.attachments, &workspace.accurate.walls, Contact::inelastic(spacing))
             }
         };
         let Some(body) = &setting.geometry.body else {
-            return particles::stop_at_walls(state, attachments, walls, &contact, |_, _| Vector2::zeros());
+            let particles = (&mut state.positions[..], &mut state.velocities[..]);
+            return particles::stop_at_walls(particles, attachments, walls, &contact, |_, _| Vector2::zeros());
         };
-        let at = Some((body, &workspace.after.position));
+        let at = Some((body, &workspace.target.position));
         workspace.end_walls.place(&setting.layout, at, setting.kernel.radius, spacing);
-        workspace.end_panels.set_start(&setting.layout.panels, body, &workspace.after);
+        workspace.end_panels.set_start(&setting.layout.panels, body, &workspace.target);
         let panels = &workspace.end_panels;
-        particles::stop_at_walls(state, attachments, &workspace.end_walls, &contact, |panel, fraction| {
+        let particles = (&mut state.positions[..], &mut state.velocities[..]);
+        particles::stop_at_walls(particles, attachments, &workspace.end_walls, &contact, |panel, fraction| {
             panels.velocity(panel, fraction)
         })
     }

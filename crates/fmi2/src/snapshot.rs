@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use uuid::Uuid;
 
 const MAGIC: &[u8; 8] = b"PLIMSOLL";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEADER: usize = 8 + 4 + 16 + 8 + 4;
 
 /// Everything that decides what an instance does next.

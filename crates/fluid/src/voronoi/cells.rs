@@ -1,8 +1,10 @@
 //! The cells of all particles.
 
-use super::cell::{Bound, Cell, FAR, Facet, Shape, wall_of};
+use super::cell::Cell;
 use super::cut::{self, Cuttings, GRID};
+use super::facet::Facet;
 use super::polygon::{self, Corner, Plane};
+use super::shape::{Around, FAR, Shape, wall_of};
 use crate::grid::Grid;
 use crate::parallel::{self, CHUNK, Lists};
 use crate::walls::{Attachment, FIXED, Walls};
@@ -97,7 +99,7 @@ impl Cells {
         cut::cut(setup, grid, Cuttings { facets: sure, corners, planes, room, cells });
         self.bound_cells(setup);
         self.agree(setup);
-        self.close_surfaces(setup);
+        self.close_surfaces();
     }
 
     /// Facets and cells from the outlines that walls or empty space may touch.
@@ -117,13 +119,13 @@ impl Cells {
                 None => Plane { normal: Vector2::zeros(), distance: 0.0 },
             };
             let room_of = |label: u32| fullness(i, label);
-            let shape =
-                Shape { corners: outlines.of(i), planes: &plane_of, fullness: &room_of, spacing: setup.spacing };
+            let around = Around { planes: &plane_of, fullness: &room_of, spacing: setup.spacing };
+            let shape = Shape::new(outlines.of(i), around);
             let add = |facet: Facet| match wall_of(facet.neighbour, own.len()) {
                 Some(k) => walls.push(place_on_wall(setup, i, facet, own[k].segment)),
                 None => facets.push(facet),
             };
-            *cell = if shape.is_open() { shape.surface(setup.volumes[i], add) } else { shape.close(add) };
+            *cell = shape.cell(setup.volumes[i], add);
             cell.odd = shape.is_odd(own.len());
         };
         let lists = (self.loose.writers(count), self.loose_walls.writers(count), self.cells.par_chunks_mut(CHUNK));
@@ -137,15 +139,15 @@ impl Cells {
                 walls.end();
             }
         });
-        self.end_at_surfaces();
+        self.end_at_surfaces(setup.spacing);
     }
 
     /// Facets that cross the free surface end there, at the mean depth of the two cells.
-    fn end_at_surfaces(&mut self) {
+    fn end_at_surfaces(&mut self, spacing: f64) {
         let cells = &self.cells;
         self.loose.change(|i, facet| {
-            if facet.bound != Bound::Whole {
-                facet.end_at(0.5 * (cells[i].depth + cells[facet.neighbour as usize].depth));
+            if facet.meets_surface() {
+                facet.end_at(0.5 * (cells[i].depth + cells[facet.neighbour as usize].depth), spacing);
             }
         });
         self.odd.resize(cells.len(), false);
@@ -179,7 +181,7 @@ impl Cells {
     }
 
     /// What the free surfaces of cells add up to, from the facets that bound the rest.
-    fn close_surfaces(&mut self, setup: &Setup) {
+    fn close_surfaces(&mut self) {
         let (facets, walls) = (&self.facets, &self.walls);
         self.cells.par_iter_mut().with_min_len(parallel::CHUNK).enumerate().for_each(|(i, cell)| {
             if !cell.is_open() {
@@ -192,7 +194,7 @@ impl Cells {
                 moment += facet.middle() * normal.transpose();
             }
             cell.outward = -closed;
-            let rest = Matrix2::identity() * setup.volumes[i] - moment;
+            let rest = Matrix2::identity() * cell.filled - moment;
             let exact = rest * cell.outward / (cell.surface * cell.depth);
             cell.lift = cell.outward + (exact - cell.outward) * cell.flatness();
         });
@@ -237,7 +239,7 @@ impl Seen<'_> {
             let mut from = facet.from;
             for (to, next) in out[begin..].iter().map(|part| (part.from, part.to)).chain([(facet.to, facet.to)]) {
                 if to - from > slack {
-                    let rest = Facet { from, to, ..*facet };
+                    let rest = facet.part([from, to]);
                     fillers.push(WallFacet { facet: rest, panel: FIXED, fraction: 0.0, filler: true });
                 }
                 from = next;

@@ -1,9 +1,11 @@
 //! What of the room around a particle is nearer to it than to any other that it sees, and in front of the walls.
 
-use super::cell::{Bound, Cell, FAR, Facet, OPEN, SURE, turn};
+use super::cell::Cell;
 use super::cells::{SLACK, Setup, WallPlane};
+use super::facet::{Facet, turn};
 use super::notch::{Line, Lines};
 use super::polygon::{self, Corner, Plane, Polygon, Ring, WALL};
+use super::shape::{FAR, OPEN, SURE};
 use super::surroundings::Surroundings;
 use crate::grid::Grid;
 use crate::parallel::{CHUNK, Lists, Writer};
@@ -165,10 +167,10 @@ fn close(around: &Surroundings, corners: &[Corner], facets: &mut Vec<Facet>) -> 
         let along = turn(&normal);
         let (from, to) = (along.dot(&corner.place), along.dot(&corners[next].place));
         outline.walk(corner.place);
-        facets.push(Facet { neighbour: corner.label, bound: Bound::Whole, normal, height, from, to });
+        facets.push(Facet::new(corner.label, normal, height, [from, to]));
     }
     let (area, centroid) = outline.close();
-    Cell { area, centroid, ..Cell::default() }
+    Cell::closed(area, centroid)
 }
 
 /// Takes the solids near particle i out of its outline, the corners from `begin` on. Appends a plane for every wall

@@ -11,13 +11,13 @@
 //! outward normal over the cell's free surface, where p = 0 at the distance delta.
 
 use super::cells::Cells;
+use super::facet::Facet;
 use nalgebra::{Matrix2, Vector2};
 
 /// Rate of the area of cell i over the facets to particles \[m2/s\].
 pub fn area_rate(cells: &Cells, i: usize, velocities: &[Vector2<f64>]) -> f64 {
     let own = velocities[i];
-    let between =
-        |facet: &super::cell::Facet| facet.weight() * facet.beyond().dot(&(velocities[facet.neighbour as usize] - own));
+    let between = |facet: &Facet| facet.weight() * facet.beyond().dot(&(velocities[facet.neighbour as usize] - own));
     cells.facets.of(i).iter().map(between).sum()
 }
 
@@ -31,7 +31,19 @@ pub fn pressure_difference(cells: &Cells, i: usize, pressures: &[f64]) -> Vector
     sum
 }
 
-/// Gradient d u_a / d x_b at particle i by least squares over its neighbours \[1/s\]; zero where they lie on a line.
+/// Weight of the divergence, over the trace of the moments, against what the neighbours say of it.
+const TOWARDS_NO_DIVERGENCE: f64 = 0.2;
+/// Weight of the gradient itself, over the trace of the moments, where the neighbours lie on a line.
+const TOWARDS_NO_GRADIENT: f64 = 1e-3;
+
+/// Gradient d u_a / d x_b at particle i by least squares over its neighbours \[1/s\]: the G that makes
+///
+///   sum w |G r - du|^2 + lambda (tr G)^2 + mu |G|^2
+///
+/// smallest, with the closed form G = (P - lambda t 1) N of P = sum w du r^T, N = (sum w r r^T + mu 1)^-1 and
+/// t = tr(P N) / (1 + lambda tr N). A film one particle thick is stretched along itself and says nothing of what it does
+/// across: water, it gets thinner by as much. Any field without divergence keeps its gradient; mu vanishes where the
+/// neighbours stand all round.
 pub fn velocity_gradient(
     cells: &Cells,
     i: usize,
@@ -47,8 +59,13 @@ pub fn velocity_gradient(
         products += (velocities[j] - velocities[i]) * away.transpose() * weight;
     }
     let trace = moments.trace();
-    if moments.determinant() < 0.02 * trace * trace {
+    if trace <= 0.0 {
         return Matrix2::zeros();
     }
-    moments.try_inverse().map_or_else(Matrix2::zeros, |inverse| products * inverse)
+    let lean = (1.0 - 4.0 * moments.determinant() / (trace * trace)).max(0.0);
+    let ridge = TOWARDS_NO_GRADIENT * trace * lean * lean;
+    let Some(inverse) = (moments + Matrix2::identity() * ridge).try_inverse() else { return Matrix2::zeros() };
+    let free = products * inverse;
+    let prior = TOWARDS_NO_DIVERGENCE * trace;
+    free - inverse * (prior * free.trace() / (1.0 + prior * inverse.trace()))
 }

@@ -1,7 +1,7 @@
 //! Figures of the water's outline and of its pressure on walls, from the cells.
 
-use super::cell::{Bound, turn};
 use super::cells::{Cells, Setup};
+use super::facet::turn;
 use crate::parallel::Lists;
 use crate::parameters::Parameters;
 use crate::prepare::Setting;
@@ -96,13 +96,7 @@ impl<'a> Outline<'a> {
             }
             for facet in self.cells.facets_and_walls(i) {
                 let (foot, along) = (position + facet.normal * facet.height, turn(&facet.normal));
-                let ends = match facet.bound {
-                    Bound::Exit => [Some(facet.to), None],
-                    Bound::Entry => [None, Some(facet.from)],
-                    Bound::Chord => [Some(facet.to), Some(facet.from)],
-                    _ => [None, None],
-                };
-                for end in ends.into_iter().flatten() {
+                for end in facet.surface_ends().into_iter().flatten() {
                     if let Some(y) = crossing(&middle, &(foot + along * end), x) {
                         highest = highest.max(y);
                     }

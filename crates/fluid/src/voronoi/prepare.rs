@@ -2,12 +2,15 @@
 
 use super::added_mass::{MovingFacet, Responses};
 use super::cells::{Cells, Setup};
-use super::operators;
+use super::source::Asked;
+use super::{operators, step};
 use crate::matrix::Matrix;
 use crate::motion::foretell;
 use crate::multigrid::Multigrid;
+use crate::panel_motion::PanelMotion;
 use crate::parallel::{self, Lists};
 use crate::parameters::AccurateParameters;
+use crate::particles::{self, Contact};
 use crate::prepare::{Pace, Setting};
 use crate::report::{StageTimes, Watch};
 use crate::state::State;
@@ -20,25 +23,29 @@ use nalgebra::{DVector, Matrix2, Vector2};
 pub struct Prepared {
     key: Option<(u64, u64)>,
     partial: Vec<u64>,
-    /// State whose cells these are; none with a body, where they depend on the time step too.
-    cells_of: Option<u64>,
     /// Time at the start of the step \[s\].
     pub time: f64,
-    /// Foretold coordinates of the body in the middle of the step, where its walls stand during it. Positions of
-    /// particles belong to the middle of a step as well, velocities to its ends: the load on the walls is then that of
-    /// the middle of the step over which it is held. A load of the start would feed every oscillation of frequency w
-    /// with a negative damping of w^2 dt / 4.
+    /// Foretold motion of the body in the middle of the step, where its walls stand during it, as the particles do: the
+    /// load on the walls is then that of the middle of the step over which it is held. A load of the start would feed
+    /// every oscillation of frequency w with a negative damping of w^2 dt / 4.
     pub middle: Motion,
     /// Walls at those coordinates.
     pub walls: Walls,
     walls_placed: bool,
+    panels: PanelMotion,
+    /// Particles stopped at walls on the way to the middle of the step.
+    pub contacts: usize,
+    /// Positions in the middle of the step \[m\].
+    pub positions: Vec<Vector2<f64>>,
+    /// Velocities at the start of the step, of particles that the walls let pass \[m/s\].
+    pub before: Vec<Vector2<f64>>,
     /// Rates of the body's coordinates at the start of the step.
     pub rates: DVector<f64>,
     /// Mean accelerations of the body's coordinates over the step.
     pub accelerations: DVector<f64>,
     /// Walls near each particle.
     pub attachments: Lists<Attachment>,
-    /// Cells at the start of the step.
+    /// Cells in the middle of the step.
     pub cells: Cells,
     /// Body force of each particle \[m/s2\].
     pub forces: Vec<Vector2<f64>>,
@@ -47,6 +54,8 @@ pub struct Prepared {
     smoothed: Vec<Vector2<f64>>,
     /// Gradients of the predicted velocity \[1/s\].
     pub gradients: Vec<Matrix2<f64>>,
+    /// What the areas of cells ask for in this step.
+    pub(super) asked: Vec<Asked>,
     /// Right side without the accelerations of moving walls \[Pa\].
     pub source: Vec<f64>,
     /// Matrix of the pressure.
@@ -64,11 +73,14 @@ impl Default for Prepared {
         Self {
             key: None,
             partial: Vec::new(),
-            cells_of: None,
             time: 0.0,
             middle: Motion::at_rest(0),
             walls: Walls::default(),
             walls_placed: false,
+            panels: PanelMotion::default(),
+            contacts: 0,
+            positions: Vec::new(),
+            before: Vec::new(),
             rates: DVector::zeros(0),
             accelerations: DVector::zeros(0),
             attachments: Lists::default(),
@@ -77,6 +89,7 @@ impl Default for Prepared {
             velocities: Vec::new(),
             smoothed: Vec::new(),
             gradients: Vec::new(),
+            asked: Vec::new(),
             source: Vec::new(),
             matrix: Matrix::default(),
             multigrid: Multigrid::default(),
@@ -98,12 +111,12 @@ impl Prepared {
     ) -> bool {
         let mut watch = Watch::start();
         let fingerprint = state.fingerprint(&mut self.partial);
-        let key = Some((fingerprint, pace.time_step.to_bits() ^ pace.kick.to_bits().rotate_left(1)));
+        let key = Some((fingerprint, pace.time_step.to_bits()));
         if self.key == key {
             return false;
         }
         self.key = None;
-        self.find_geometry(setting, state, pace, fingerprint);
+        self.find_geometry(setting, state, pace);
         watch.lap(&mut stages.neighbours);
         self.assemble(setting, accurate, state, pace);
         self.key = key;
@@ -111,11 +124,14 @@ impl Prepared {
         true
     }
 
-    /// Walls, cells and facets on moving walls.
-    fn find_geometry(&mut self, setting: &Setting, state: &State, pace: Pace, fingerprint: u64) {
-        self.time = state.time;
-        foretell(&state.motion, 0.5 * pace.time_step, &mut self.middle);
-        self.build_cells(setting, state, fingerprint);
+    /// Particles, walls, cells and facets on moving walls in the middle of the step.
+    fn find_geometry(&mut self, setting: &Setting, state: &State, pace: Pace) {
+        let half = 0.5 * pace.time_step;
+        self.time = state.time + half;
+        foretell(&state.motion, half, &mut self.middle);
+        kinematics::copy(&state.motion.velocity, &mut self.rates);
+        self.drift(setting, state, half);
+        self.build_cells(setting, state);
         if let Some(body) = &setting.geometry.body {
             self.responses.collect(&self.cells, &setting.layout, body, &self.middle.position);
         }
@@ -123,58 +139,70 @@ impl Prepared {
 
     /// The same, whatever is there already.
     pub fn make_cells(&mut self, setting: &Setting, state: &State, pace: Pace) {
-        (self.key, self.cells_of) = (None, None);
-        self.find_geometry(setting, state, pace, 0);
-        self.cells_of = None;
+        self.key = None;
+        self.find_geometry(setting, state, pace);
     }
 
     /// Predicted velocities, right side, matrix and preconditioner.
     pub fn assemble(&mut self, setting: &Setting, accurate: &AccurateParameters, state: &State, pace: Pace) {
-        self.predict(setting, state, pace);
-        self.smooth(accurate, state, pace.time_step);
-        self.build_source(setting, accurate, state, pace);
+        self.predict(setting, pace.time_step);
+        self.smooth(accurate, pace.time_step);
+        self.ask(accurate, state, pace);
+        self.build_source(setting, pace.time_step);
         self.matrix.assemble_cells(&self.cells);
-        self.multigrid.set_up(&self.matrix, &state.positions, setting.spacing, setting.spacing * setting.spacing);
+        self.multigrid.set_up(&self.matrix, &self.positions, setting.spacing, setting.spacing * setting.spacing);
     }
 
-    /// Walls and cells of a state; in a scene without a body they may be there already.
-    fn build_cells(&mut self, setting: &Setting, state: &State, fingerprint: u64) {
-        if self.cells_of == Some(fingerprint) {
-            return;
+    /// Brings the particles to the middle of the step, in front of the walls as they stand there.
+    fn drift(&mut self, setting: &Setting, state: &State, half: f64) {
+        self.place_walls(setting);
+        self.positions.clone_from(&state.positions);
+        self.before.clone_from(&state.velocities);
+        step::drift(&mut self.positions, &self.before, half);
+        self.attach();
+        if let Some(body) = &setting.geometry.body {
+            self.panels.set_start(&setting.layout.panels, body, &self.middle);
         }
-        self.cells_of = None;
-        self.place_walls(setting, state);
-        let walls = &self.walls;
-        self.attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
+        let panels = &self.panels;
+        let moved = (&mut self.positions[..], &mut self.before[..]);
+        let contact = Contact::inelastic(setting.spacing);
+        self.contacts = particles::stop_at_walls(moved, &self.attachments, &self.walls, &contact, |panel, fraction| {
+            panels.velocity(panel, fraction)
+        });
+        if self.contacts > 0 {
+            self.attach();
+        }
+    }
+
+    fn attach(&mut self) {
+        let (walls, positions) = (&self.walls, &self.positions);
+        self.attachments.build(positions.len(), |i, out| walls.attach(&positions[i], out));
+    }
+
+    fn build_cells(&mut self, setting: &Setting, state: &State) {
         self.cells.build(&Setup {
-            positions: &state.positions,
+            positions: &self.positions,
             volumes: &state.volumes,
             attachments: &self.attachments,
             walls: &self.walls,
             spacing: setting.spacing,
         });
-        if setting.geometry.body.is_none() {
-            self.cells_of = Some(fingerprint);
-        }
     }
 
-    /// The cells of a state for looking at it, which the next step will find done; none in a scene with a body, whose
-    /// walls stand elsewhere during a step.
-    pub fn cells_of(&mut self, setting: &Setting, state: &State) -> Option<&Cells> {
-        if setting.geometry.body.is_some() {
-            return None;
-        }
-        let fingerprint = state.fingerprint(&mut self.partial);
-        if self.cells_of != Some(fingerprint) {
-            self.key = None;
-        }
-        self.build_cells(setting, state, fingerprint);
-        Some(&self.cells)
+    /// Cells of a state, for looking at them; what was prepared for a step is lost.
+    pub fn cells_of(&mut self, setting: &Setting, state: &State) -> &Cells {
+        self.key = None;
+        self.middle.clone_from(&state.motion);
+        self.place_walls(setting);
+        self.positions.clone_from(&state.positions);
+        self.attach();
+        self.build_cells(setting, state);
+        &self.cells
     }
 
-    fn place_walls(&mut self, setting: &Setting, state: &State) {
+    /// Walls with the body as in the middle of the step.
+    fn place_walls(&mut self, setting: &Setting) {
         let body = setting.geometry.body.as_ref();
-        kinematics::copy(&state.motion.velocity, &mut self.rates);
         if body.is_some() || !self.walls_placed {
             let at = body.map(|body| (body, &self.middle.position));
             self.walls.place(&setting.layout, at, 2.0 * Cells::reach(setting.spacing), setting.spacing);
@@ -183,29 +211,30 @@ impl Prepared {
     }
 
     /// u* = u + f dt, and its gradient.
-    fn predict(&mut self, setting: &Setting, state: &State, pace: Pace) {
-        let Pace { time_step, kick, .. } = pace;
-        let count = state.positions.len();
+    fn predict(&mut self, setting: &Setting, time_step: f64) {
+        let count = self.positions.len();
         self.forces.resize(count, Vector2::zeros());
         self.velocities.resize(count, Vector2::zeros());
         self.gradients.resize(count, Matrix2::zeros());
-        parallel::fill(&mut self.forces, |i| setting.parameters.body_force(&state.positions[i], state.time));
+        let (positions, before) = (&self.positions, &self.before);
+        parallel::fill(&mut self.forces, |i| setting.parameters.body_force(&positions[i], self.time));
         let forces = &self.forces;
-        parallel::fill(&mut self.velocities, |i| state.velocities[i] + forces[i] * kick);
+        parallel::fill(&mut self.velocities, |i| before[i] + forces[i] * time_step);
         let (cells, velocities) = (&self.cells, &self.velocities);
         parallel::fill(&mut self.gradients, |i| {
-            let gradient = operators::velocity_gradient(cells, i, &state.positions, velocities);
+            let gradient = operators::velocity_gradient(cells, i, positions, velocities);
             gradient * (STEEPEST / (gradient.norm() * time_step).max(STEEPEST))
         });
     }
 
     /// Takes out of u* what its neighbours' linear fields do not explain: noise of the wave length of a cell. A linear
     /// field stays as it is, a potential flow nearly, and the momentum exactly.
-    fn smooth(&mut self, accurate: &AccurateParameters, state: &State, time_step: f64) {
+    fn smooth(&mut self, accurate: &AccurateParameters, time_step: f64) {
         if accurate.smoothing == 0.0 {
             return;
         }
-        let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
+        let (cells, velocities, gradients, positions) =
+            (&self.cells, &self.velocities, &self.gradients, &self.positions);
         let strength = 0.25 * accurate.smoothing * time_step;
         let mut smoothed = std::mem::take(&mut self.smoothed);
         smoothed.resize(velocities.len(), Vector2::zeros());
@@ -214,7 +243,7 @@ impl Prepared {
             for facet in cells.facets.of(i) {
                 let j = facet.neighbour as usize;
                 let mean = (gradients[i] + gradients[j]) * 0.5;
-                let away = state.positions[j] - state.positions[i];
+                let away = positions[j] - positions[i];
                 let unexplained = velocities[j] - velocities[i] - mean * away;
                 let rate = (strength * mean.norm()).min(0.05);
                 change += unexplained * (facet.weight().min(2.0) * rate);
@@ -223,46 +252,6 @@ impl Prepared {
         });
         std::mem::swap(&mut self.velocities, &mut smoothed);
         self.smoothed = smoothed;
-    }
-
-    /// Right side of A p = b, from the demand that areas are right at the end of the step:
-    /// (V - V0) share / dt + D u* + dt V det grad u* = k / rho (-A p) with the time k over which forces act.
-    fn build_source(&mut self, setting: &Setting, accurate: &AccurateParameters, state: &State, pace: Pace) {
-        let Pace { time_step, kick, .. } = pace;
-        let share = accurate.alpha * (time_step / pace.stable_step).min(1.0);
-        let density = setting.parameters.density;
-        let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
-        let (forces, rates, responses) = (&self.forces, &self.rates, &self.responses);
-        self.source.resize(state.positions.len(), 0.0);
-        parallel::fill(&mut self.source, |i| {
-            if cells.is_lone(i) {
-                return 0.0;
-            }
-            let cell = &cells.cells[i];
-            let volume = state.volumes[i];
-            let excess = (cell.area - volume).clamp(-LARGEST_EXCESS * volume, LARGEST_EXCESS * volume);
-            let mut rate = operators::area_rate(cells, i, velocities);
-            // Round a tip or a drop the surface has no one direction, and the gradient comes from too few neighbours.
-            let trust = cell.flatness();
-            rate += trust * time_step * volume * gradients[i].determinant();
-            if cell.is_open() && trust > 0.0 {
-                let outward = cell.outward;
-                rate += trust * outward.dot(&(gradients[i] * outward)) * cell.depth / outward.norm();
-            }
-            rate += share * excess / time_step;
-            let mut value = -density * rate / kick;
-            // What the wall must do beyond the body force: fillers move with the water, fixed walls stop it.
-            for wall in cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
-                let normal = wall.facet.normal * (density * wall.facet.length());
-                value += if wall.filler { forces[i].dot(&normal) } else { velocities[i].dot(&normal) / kick };
-            }
-            for (moving, work) in responses.of(i) {
-                let facet = &moving.wall.facet;
-                let closing = velocities[i].dot(&facet.normal) - Responses::normal_rate(work, rates);
-                value += density * facet.length() * closing / kick;
-            }
-            value
-        });
     }
 
     /// Sum over the wall facets of cell i of their pressure slope times length and arm: what walls add to G p \[N/m\].
@@ -300,5 +289,3 @@ impl Prepared {
 /// Largest norm of a velocity gradient times the step. The Courant number keeps flows below; a pair of particles that
 /// nearly touch in a splash exceeds it many times, and would throw them out.
 const STEEPEST: f64 = 0.3;
-/// Largest share of its area that a cell is taken to be too large or too small by.
-const LARGEST_EXCESS: f64 = 0.5;

@@ -1,11 +1,11 @@
 //! What happens to particles after the pressure.
 
-use super::cell::Facet;
+use super::facet::Facet;
 use super::operators;
 use super::prepare::Prepared;
 use crate::parallel::{self, CHUNK};
 use crate::parameters::AccurateParameters;
-use crate::prepare::{Pace, Setting};
+use crate::prepare::Setting;
 use crate::state::State;
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -16,22 +16,25 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 const SMALLEST: f64 = 0.5;
 const LARGEST: f64 = 2.0;
 
-/// u = u* - k grad p / rho with the time k over which forces act, r = r + dt u.
-pub fn correct(state: &mut State, prepared: &Prepared, setting: &Setting, pace: Pace) {
-    let Pace { time_step, kick, .. } = pace;
+/// u = u* - dt grad p / rho; the particles stand where they are in the middle of the step.
+pub fn kick(state: &mut State, prepared: &Prepared, setting: &Setting, time_step: f64) {
+    state.positions.copy_from_slice(&prepared.positions);
     let density = setting.parameters.density;
     let cells = &prepared.cells;
     let pressures = &state.pressures;
     let volumes = &state.volumes;
-    let moved = state.positions.par_iter_mut().zip(&mut state.velocities).with_min_len(CHUNK).enumerate();
-    moved.for_each(|(i, (position, velocity))| {
+    parallel::fill(&mut state.velocities, |i| {
         let cell = &cells.cells[i];
         let sum = operators::pressure_difference(cells, i, pressures) + prepared.wall_difference(setting, i);
         let volume = volumes[i];
-        let area = if cell.is_open() { volume } else { cell.area.clamp(SMALLEST * volume, LARGEST * volume) };
-        *velocity = prepared.velocities[i] - sum * (kick / (density * area));
-        *position += *velocity * time_step;
+        let area = cell.filled.clamp(SMALLEST * volume, LARGEST * volume);
+        prepared.velocities[i] - sum * (time_step / (density * area))
     });
+}
+
+/// r = r + u t.
+pub fn drift(positions: &mut [Vector2<f64>], velocities: &[Vector2<f64>], duration: f64) {
+    positions.par_iter_mut().zip(velocities).with_min_len(CHUNK).for_each(|(position, u)| *position += u * duration);
 }
 
 /// Adds the load of the pressure on the moving panels to `load`, times `share`, by virtual work. The pressure on a
@@ -71,8 +74,7 @@ pub fn shift(
         if prepared.cells.facets.of(i).iter().any(|facet| facet.height < TOO_CLOSE * setting.spacing) {
             close.store(true, Relaxed);
         }
-        let flatness = cell.flatness();
-        if flatness == 0.0 {
+        if cell.trust() == 0.0 {
             return Vector2::zeros();
         }
         let deformation = prepared.gradients[i].norm() * time_step;
@@ -81,8 +83,9 @@ pub fn shift(
         way += away_from_crowds(prepared, i, setting.spacing) * share(accurate.repulsion, 0.1);
         way += towards_room(prepared, volumes, i, setting.spacing) * share(accurate.spreading, 0.5);
         if cell.is_open() {
-            let normal = cell.outward / cell.outward.norm();
-            way = (way - normal * way.dot(&normal)) * flatness;
+            let normal = cell.outward.try_normalize(0.0).unwrap_or_default();
+            let along = (way - normal * way.dot(&normal)) * cell.flatness();
+            way = way * (1.0 - cell.openness) + along * cell.openness;
         }
         way
     });
@@ -163,7 +166,7 @@ pub fn record(state: &mut State, prepared: &Prepared, reference_density: f64) {
     let volumes = &state.volumes;
     let recorded = state.surface.par_iter_mut().zip(&mut state.number_densities).with_min_len(CHUNK).enumerate();
     recorded.for_each(|(i, (surface, density))| {
-        *surface = cells[i].is_open();
+        *surface = cells[i].openness > 0.5;
         *density = reference_density * volumes[i] / cells[i].area.max(f64::MIN_POSITIVE);
     });
 }

@@ -2,7 +2,7 @@
 
 use super::{Arrangement, Noise, ORDERS, Order, largest, points, square};
 use crate::fill;
-use crate::voronoi::cell::turn;
+use crate::voronoi::facet::turn;
 use crate::voronoi::relax::relax;
 use nalgebra::Vector2;
 use std::f64::consts::PI;

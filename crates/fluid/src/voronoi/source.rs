@@ -1,0 +1,153 @@
+//! The right side of the pressure equation: what the areas of cells ask for.
+//!
+//! Areas are right in the middle of every step, so that their rate R(u) with the velocity u after a step must be minus
+//! the second-order change over the way to the middle of the next. This change follows from the velocity gradient,
+//! dt V det grad u, which is exact in linear flow and inside the water, but not beside walls and surfaces; or from the
+//! rate that the old velocity has on the new cells, less what it had on the old ones, which holds everywhere but has the
+//! noise of cells that change their neighbours. The mean of both is taken. Modelled alone, its error is the same in every
+//! step of one length, and shows as a false pressure when the length changes. Measured as a difference, an error of the
+//! velocity itself, which is in both rates, drops out: nothing of it comes back in the next step. (To ask for minus the
+//! old velocity's rate, the trapezoidal rule, gives every error back with the other sign, and rings.)
+//!
+//! The compact matrix A is not D G / V, so that a step leaves a rest of the rate that it asked for, which the next ones
+//! work off: in steady flow the rest is in proportion to dt, and its share in the pressure is rest / dt. A step of another
+//! length expects another rest; the difference is not asked for at once, but as it would have come.
+
+use super::added_mass::Responses;
+use super::cells::Cells;
+use super::operators;
+use super::prepare::Prepared;
+use crate::parallel;
+use crate::parameters::AccurateParameters;
+use crate::prepare::{Pace, Setting};
+use crate::state::{AreaRate, State};
+use crate::walls::FIXED;
+use nalgebra::{DVector, Matrix2, Vector2};
+
+/// Share of the second-order change that is measured.
+const MEASURED: f64 = 0.5;
+/// Largest difference of the measured change from the modelled one, over dt V |grad u|^2.
+const LARGEST_CORRECTION: f64 = 1.0;
+/// Largest rest that is carried over a change of the step, over dt V |grad u|^2.
+const LARGEST_REST: f64 = 3.0;
+/// Share of the carried rest that remains after a step.
+const KEPT: f64 = 0.9;
+/// Largest share of its area that a cell is taken to be too large or too small by.
+const LARGEST_EXCESS: f64 = 0.5;
+
+/// What the area of a cell asks for in a step \[m2/s\].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Asked {
+    /// Rate of the area with the velocity after the step.
+    rate: f64,
+    /// Rest of the last step's rate beyond what a step of this length would have left.
+    carried: f64,
+}
+
+impl Prepared {
+    /// What every area asks for.
+    pub(super) fn ask(&mut self, accurate: &AccurateParameters, state: &State, pace: Pace) {
+        let time_step = pace.time_step;
+        let share = accurate.alpha * (time_step / pace.stable_step).min(1.0);
+        let mut asked = std::mem::take(&mut self.asked);
+        asked.resize(self.positions.len(), Asked::default());
+        let prepared = &*self;
+        parallel::fill(&mut asked, |i| {
+            if prepared.cells.is_lone(i) {
+                return Asked::default();
+            }
+            let volume = state.volumes[i];
+            let excess = prepared.cells.cells[i].area - volume;
+            let excess = excess.clamp(-LARGEST_EXCESS * volume, LARGEST_EXCESS * volume);
+            let Asked { rate, carried } = prepared.second_order(i, state, time_step);
+            Asked { rate: rate - share * excess / time_step, carried }
+        });
+        self.asked = asked;
+    }
+
+    /// Minus the second-order change of the area over the step, and the rest that is carried over a change of its length.
+    fn second_order(&self, i: usize, state: &State, time_step: f64) -> Asked {
+        let gradient = &self.gradients[i];
+        let modelled = self.cells.cells[i].trust() * time_step * state.volumes[i] * gradient.determinant();
+        let last_step = state.time_step;
+        if last_step == 0.0 {
+            return Asked { rate: -modelled, carried: 0.0 };
+        }
+        let AreaRate { left, asked, due } = state.area_rates[i];
+        let scale = time_step * state.volumes[i] * gradient.norm_squared();
+        let bounded = |value: f64, bound: f64| value.clamp(-bound * scale, bound * scale);
+        let now = self.area_rate(i, &self.before, gradient, &self.rates);
+        let measured = (now - left) * time_step / (time_step + last_step);
+        let change = modelled + MEASURED * bounded(measured - modelled, LARGEST_CORRECTION);
+        let rest = due * time_step / last_step - (left - asked);
+        Asked { rate: -change, carried: KEPT * bounded(rest, LARGEST_REST) }
+    }
+
+    /// Rate of the area of cell i with the given velocities, the gradient of the velocity there, and rates of the body.
+    fn area_rate(&self, i: usize, velocities: &[Vector2<f64>], gradient: &Matrix2<f64>, rates: &DVector<f64>) -> f64 {
+        let cells = &self.cells;
+        let fixed = cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.filler);
+        let fixed = fixed.map(|wall| velocities[i].dot(&wall.facet.normal) * wall.facet.length());
+        let moving = self.responses.of(i).map(|(moving, work)| {
+            let facet = &moving.wall.facet;
+            facet.length() * (velocities[i].dot(&facet.normal) - Responses::normal_rate(work, rates))
+        });
+        operators::area_rate(cells, i, velocities) + surface_rate(cells, i, gradient)
+            - fixed.sum::<f64>()
+            - moving.sum::<f64>()
+    }
+
+    /// Records the rates that the velocities after the step have, and what is due of them.
+    pub fn record_rates(&self, out: &mut [AreaRate], velocities: &[Vector2<f64>], rates: &DVector<f64>) {
+        let (cells, positions) = (&self.cells, &self.positions);
+        parallel::fill(out, |i| {
+            if cells.is_lone(i) {
+                return AreaRate::default();
+            }
+            let open = cells.cells[i].is_open();
+            let gradient = || operators::velocity_gradient(cells, i, positions, velocities);
+            let gradient = if open { gradient() } else { Matrix2::zeros() };
+            let left = self.area_rate(i, velocities, &gradient, rates);
+            let Asked { rate, carried } = self.asked[i];
+            AreaRate { left, asked: rate, due: left - rate + carried }
+        });
+    }
+
+    /// Right side of A p = b, from the demand that the rates of areas are what is asked for:
+    /// D u* - asked = dt / rho (-A p).
+    pub(super) fn build_source(&mut self, setting: &Setting, time_step: f64) {
+        let density = setting.parameters.density;
+        let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
+        let (forces, rates, responses, asked) = (&self.forces, &self.rates, &self.responses, &self.asked);
+        self.source.resize(self.positions.len(), 0.0);
+        parallel::fill(&mut self.source, |i| {
+            if cells.is_lone(i) {
+                return 0.0;
+            }
+            let rate = operators::area_rate(cells, i, velocities) + surface_rate(cells, i, &gradients[i]);
+            let mut value = -density * (rate - asked[i].rate + asked[i].carried) / time_step;
+            // What the wall must do beyond the body force: fillers move with the water, fixed walls stop it.
+            for wall in cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
+                let normal = wall.facet.normal * (density * wall.facet.length());
+                value += if wall.filler { forces[i].dot(&normal) } else { velocities[i].dot(&normal) / time_step };
+            }
+            for (moving, work) in responses.of(i) {
+                let facet = &moving.wall.facet;
+                let closing = velocities[i].dot(&facet.normal) - Responses::normal_rate(work, rates);
+                value += density * facet.length() * closing / time_step;
+            }
+            value
+        });
+    }
+}
+
+/// What moves the free surface of cell i beyond the velocity of its particle: the velocity at the surface. Round a tip
+/// or a drop the surface has no one direction, and the gradient comes from too few neighbours.
+fn surface_rate(cells: &Cells, i: usize, gradient: &Matrix2<f64>) -> f64 {
+    let cell = &cells.cells[i];
+    let length = cell.outward.norm();
+    if length == 0.0 {
+        return 0.0;
+    }
+    cell.trust() * cell.outward.dot(&(gradient * cell.outward)) * cell.depth / length
+}
