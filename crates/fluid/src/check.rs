@@ -4,20 +4,12 @@ use crate::Error;
 use crate::grid::{Grid, bounding_box};
 use crate::parallel;
 use crate::parameters::Geometry;
+use crate::sides::{SLACK, Sides, Solids};
 use crate::state::State;
-use crate::walls::{FIXED, Segment, Walls};
+use crate::wall_check;
+use crate::walls::{FIXED, Walls};
 use kinematics::{MaterialPoint, Motion};
 use nalgebra::Vector2;
-
-/// Whether a point lies on the solid side of the wall nearest to it.
-fn behind<'a>(segments: impl Iterator<Item = &'a Segment> + Clone, point: &Vector2<f64>, slack: f64) -> bool {
-    let nearest = segments.clone().map(|segment| segment.squared_distance(point)).fold(f64::INFINITY, f64::min);
-    if !nearest.is_finite() {
-        return false;
-    }
-    let tied = |segment: &&Segment| segment.squared_distance(point) <= nearest + slack * slack;
-    segments.filter(tied).all(|segment| segment.local(point).0 < -slack)
-}
 
 /// Spacings from one end of a scene to the other: more is a slip in a coordinate, and no place has digits left there.
 const LONGEST_SCENE: f64 = 1e8;
@@ -72,7 +64,7 @@ pub fn areas_are_sound(areas: &[f64], places: &[Vector2<f64>]) -> Result<(), Err
     }
 }
 
-/// Refuses degenerate walls.
+/// Refuses degenerate walls: pieces without length, walls without a wet side.
 pub fn walls_are_sound(geometry: &Geometry, spacing: f64) -> Result<(), Error> {
     for (number, wall) in geometry.fixed_walls.iter().enumerate() {
         for pair in wall.windows(2) {
@@ -86,13 +78,14 @@ pub fn walls_are_sound(geometry: &Geometry, spacing: f64) -> Result<(), Error> {
             }
         }
     }
-    Ok(())
+    wall_check::are_consistent(geometry, spacing)
 }
 
-/// Refuses water inside a wall and a body outside the tank.
-pub fn fits_together(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Result<(), Error> {
-    let slack = 1e-6 * spacing;
-    if let Some(point) = water.iter().find(|point| behind(walls.segments.iter(), point, slack)) {
+/// Refuses water inside a wall, a body outside the tank and walls that turn their solid side to the water.
+pub fn fits_together(walls: &Walls, geometry: &Geometry, water: &[Vector2<f64>], spacing: f64) -> Result<(), Error> {
+    let (sides, solids) = (Sides::new(walls.segments.iter(), spacing), Solids::new(geometry));
+    let inside = |point: &Vector2<f64>| sides.is_behind(point) || solids.depth(point) > SLACK * spacing;
+    if let Some(point) = water.iter().find(|point| inside(point)) {
         return Err(Error::Geometry {
             what: format!("water at ({}, {}) lies behind the wall nearest to it", point.x, point.y),
             got: "a particle inside a solid".to_string(),
@@ -103,10 +96,10 @@ pub fn fits_together(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Res
         });
     }
     off_the_body(walls, water, spacing)?;
-    let fixed = walls.segments.iter().filter(|segment| segment.panel == FIXED);
+    let fixed = Sides::new(walls.segments.iter().filter(|segment| segment.panel == FIXED), spacing);
     for segment in walls.segments.iter().filter(|segment| segment.panel != FIXED) {
         let middle = segment.start + segment.tangent * (0.5 * segment.length);
-        if behind(fixed.clone(), &middle, slack) {
+        if fixed.is_behind(&middle) {
             return Err(Error::Geometry {
                 what: format!("the body's surface at ({}, {}) lies behind a fixed wall", middle.x, middle.y),
                 got: "a body outside the tank".to_string(),
@@ -114,7 +107,7 @@ pub fn fits_together(walls: &Walls, water: &[Vector2<f64>], spacing: f64) -> Res
             });
         }
     }
-    Ok(())
+    wall_check::are_seen_from_the_front(walls, water, spacing)
 }
 
 /// Refuses particles on the surface of the body: those of a polygon that covers a solid as thin as the spacing stand on

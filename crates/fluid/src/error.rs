@@ -1,5 +1,6 @@
 //! What can go wrong, with the numbers.
 
+use nalgebra::Vector2;
 use thiserror::Error;
 
 /// An error of the fluid solver.
@@ -131,4 +132,14 @@ pub enum Error {
         /// What the system said.
         reason: String,
     },
+}
+
+/// A number to six digits, for messages: more of them are rounding.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// A place for messages.
+pub(crate) fn place(point: &Vector2<f64>) -> String {
+    format!("({}, {})", rounded(point.x), rounded(point.y))
 }

@@ -1,6 +1,7 @@
 //! Filling polygons of water with particles.
 
 use crate::Error;
+use crate::outline::{is_simple, winding};
 use nalgebra::Vector2;
 
 /// Particles at the start and the spacing that makes their cells add up to the area of the water.
@@ -45,6 +46,8 @@ pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error>
     let mut counts = Vec::new();
     let (mut total_area, mut largest, mut cell) = (0.0, 0.0, Vector2::zeros());
     for (number, polygon) in water.iter().enumerate() {
+        is_simple(number, polygon, spacing)?;
+        let sense = if signed_area(polygon) < 0.0 { -1 } else { 1 };
         let (low, high) = crate::grid::bounding_box(polygon);
         let size = high - low;
         let fits = |length: f64| (length / spacing).round();
@@ -59,7 +62,7 @@ pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error>
         for row in 0..fits(size.y) as usize {
             for column in 0..fits(size.x) as usize {
                 let point = low + Vector2::new((column as f64 + 0.5) * step.x, (row as f64 + 0.5) * step.y);
-                if contains(polygon, &point) {
+                if is_water(winding(polygon, &point) * sense, number, &point)? {
                     positions.push(point);
                 }
             }
@@ -82,6 +85,20 @@ pub fn fill(water: &[Vec<Vector2<f64>>], spacing: f64) -> Result<Filling, Error>
     Ok(Filling { positions, counts, cell: cell * scale, effective_spacing })
 }
 
+/// Whether a point lies in a polygon of water that walks so many times around it, counted in the direction of its area.
+/// Refuses one that walks around it twice, or the other way round: it crosses itself, if only at a corner.
+fn is_water(turns: i32, number: usize, point: &Vector2<f64>) -> Result<bool, Error> {
+    if turns == 0 || turns == 1 {
+        return Ok(turns == 1);
+    }
+    Err(Error::Geometry {
+        what: format!("water {number} crosses itself at a corner near {}", crate::error::place(point)),
+        got: format!("a polygon that walks {turns} times around that place, counted in the direction of its area"),
+        expected: "a polygon that walks once around its water; change the order of the corners, or split it in two"
+            .to_string(),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,5 +119,47 @@ mod tests {
         let polygon: Vec<_> = [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1)].iter().map(|&(x, y)| Vector2::new(x, y)).collect();
         let message = fill(&[polygon], 0.2).err().map(|error| error.to_string()).unwrap_or_default();
         assert!(message.contains("0.1 x 0.1") && message.contains("0.2"), "{message}");
+    }
+
+    /// Particles stand on both sides of the slit that joins a hole to the outside, and none in the hole.
+    #[test]
+    fn a_hole_joined_by_a_slit_stays_empty() {
+        let corners = [
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (1.0, 1.0),
+            (0.5, 1.0),
+            (0.5, 0.6),
+            (0.6, 0.6),
+            (0.6, 0.4),
+            (0.4, 0.4),
+            (0.4, 0.6),
+            (0.5, 0.6),
+            (0.5, 1.0),
+            (0.0, 1.0),
+        ];
+        let polygon: Vec<_> = corners.iter().map(|&(x, y)| Vector2::new(x, y)).collect();
+        let filling = fill(std::slice::from_ref(&polygon), 0.05).unwrap();
+        assert_eq!(filling.positions.len(), 384, "0.96 m2 in squares of 0.05 m");
+        let in_hole = |place: &&Vector2<f64>| (place.x - 0.5).abs() < 0.1 && (place.y - 0.5).abs() < 0.1;
+        assert_eq!(filling.positions.iter().find(in_hole), None);
+        let mirrored: Vec<_> = polygon.iter().rev().copied().collect();
+        assert_eq!(fill(&[mirrored], 0.05).unwrap().positions.len(), 384, "whatever the direction");
+    }
+
+    #[test]
+    fn a_polygon_that_crosses_itself_is_refused_with_the_place() {
+        let refused = |corners: &[(f64, f64)]| {
+            let polygon: Vec<_> = corners.iter().map(|&(x, y)| Vector2::new(x, y)).collect();
+            fill(&[polygon], 0.05).err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        let message = refused(&[(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.8)]);
+        assert!(message.contains("water 0 crosses itself at (0.4444"), "{message}");
+        // The same with a corner where it crosses: the triangle on the right is walked clockwise.
+        let message = refused(&[(0.0, 0.0), (0.5, 0.5), (1.0, 1.0), (1.0, 0.0), (0.5, 0.5), (0.0, 1.2)]);
+        assert!(
+            message.contains("water 0 crosses itself at a corner near (") && message.contains("-1 times"),
+            "{message}"
+        );
     }
 }

@@ -27,20 +27,24 @@ mod neighbours;
 mod observe;
 pub mod operators;
 mod order;
+mod outline;
 mod panel_motion;
 mod parallel;
 mod parameters;
 mod particles;
+mod places;
 mod prepare;
 mod pressure;
 mod report;
 mod schedule;
+mod sides;
 mod solver;
 mod stages;
 mod state;
 mod state_check;
 mod steps;
 mod voronoi;
+mod wall_check;
 mod walls;
 
 pub use error::Error;
@@ -52,6 +56,7 @@ pub use parameters::{
     AccurateParameters, AffineVelocity, DampingZone, Geometry, Jitter, PaperParameters, Parameters, Probe, Region,
     Scheme, Shaking, SolveParameters, Source,
 };
+pub use places::{Instrument, Misplaced};
 pub use report::{Report, StageTimes};
 pub use solver::{Solver, Workspace};
 pub use stages::Stages;

@@ -92,7 +92,7 @@ impl Solver {
             .build()
             .map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
         let walls = setting.walls(&Motion::at_rest(setting.modes()).position);
-        check::fits_together(&walls, &positions, spacing)?;
+        check::fits_together(&walls, &setting.geometry, &positions, spacing)?;
         check::no_overlap(&positions, spacing)?;
         let domain = domain(&walls, &positions);
         let contact = BodyContact::new(&setting.layout.panels, &walls, spacing);

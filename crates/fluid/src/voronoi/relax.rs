@@ -2,6 +2,7 @@
 
 use super::cells::{Cells, Setup};
 use crate::fill::{area, contains, signed_area};
+use crate::outline::outline;
 use crate::parallel::Lists;
 use crate::parameters::Geometry;
 use crate::walls::{WallLayout, Walls};
@@ -35,12 +36,11 @@ pub fn relax(positions: &mut [Vector2<f64>], counts: &[usize], water: &[Vec<Vect
 }
 
 fn settle(positions: &mut [Vector2<f64>], polygon: &[Vector2<f64>], spacing: f64) -> Vec<f64> {
-    let mut outline = polygon.to_vec();
-    if signed_area(&outline) < 0.0 {
-        outline.reverse();
+    let mut corners = polygon.to_vec();
+    if signed_area(&corners) < 0.0 {
+        corners.reverse();
     }
-    outline.extend(outline.first().copied());
-    let geometry = Geometry { fixed_walls: vec![outline], ..Geometry::default() };
+    let geometry = Geometry { fixed_walls: outline(&corners, spacing), ..Geometry::default() };
     let mut walls = Walls::default();
     walls.place(&WallLayout::new(&geometry, spacing), None, 2.0 * Cells::reach(spacing), spacing);
     let volumes = vec![area(polygon) / positions.len() as f64; positions.len()];
