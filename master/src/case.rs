@@ -100,7 +100,7 @@ impl Case {
         self.run.validate(name, self.start)?;
         self.output.validate(name)?;
         self.coupling.validate(name, self.run.communication_step)?;
-        self.check.iter().enumerate().try_for_each(|(index, figure)| figure.validate(name, index))?;
+        scene::validate_checks(&self.check, name)?;
         if self.fmu.is_empty() {
             return refuse("fmu", "[]".to_string(), "at least one [[fmu]]");
         }
@@ -200,6 +200,12 @@ method = 'aitken'
         assert!(refused("= 0.01", "= 0.0").contains("run.communication_step = 0"));
         assert!(refused("name = 'b'", "name = 'a'").contains("a name that is used once"));
         assert!(refused("to = 'b.u.v'", "to = 'b'").contains("connection.0.to = 'b': expected fmu.variable"));
+        let twice = "[[check]]\nname = 'x'\nkind = 'series_maximum'\n[[check]]\nname = 'x'\nkind = 'series_minimum'\n";
+        let message = refused("[coupling]", &format!("{twice}[coupling]"));
+        assert!(message.contains("check[1].name = 'x'") && message.contains("check[0] has it too"), "{message}");
+        let points = "[[check]]\nname = 'x'\nkind = 'curve_rms'\npoints = [[0.0, 1.0], [1.0, 2.0, 3.0]]\n[coupling]";
+        let message = refused("[coupling]", points);
+        assert!(message.contains("c.toml, line 17: check[0].points[1] has 3 entries, expected 2"), "{message}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::case::{self, Case};
 use crate::checkpoint::{Checkpoint, Schedule};
 use crate::coupling::{self, Connection, Parameters, Stepper, System};
-use crate::participant::{self, Participant, Value};
+use crate::participant::{self, Kind, Participant, Value};
 use crate::progress::Progress;
 use crate::record::{self, CouplingSummary, IterationCounts, IterationWriter, ResultWriter, Series, Status};
 use crate::stages::Stages;
@@ -217,7 +217,7 @@ impl Run {
             }
             let start = Instant::now();
             if let Some((participant, variable)) = &self.step_limit {
-                self.stepper.limit(self.system.read(participant, variable)?);
+                self.stepper.limit(self.system.read(participant, variable, self.stepper.clock().time())?);
             }
             let iterations = &mut self.iterations;
             let result = self.stepper.advance(&mut self.system, &mut |row| iterations.write(row));
@@ -324,7 +324,7 @@ fn prepare(case: &Case, mut participants: Vec<Box<dyn Participant>>) -> Result<S
     for (participant, fmu) in participants.iter_mut().zip(&case.fmu) {
         for (name, value) in &fmu.parameters {
             let variable = participant.description().variable(participant.name(), name)?.clone();
-            let value = typed(value).ok_or_else(|| participant::Error::WrongType {
+            let value = typed(value, variable.kind).ok_or_else(|| participant::Error::WrongType {
                 participant: participant.name().to_string(),
                 variable: name.clone(),
                 expected: variable.kind,
@@ -343,9 +343,12 @@ fn prepare(case: &Case, mut participants: Vec<Box<dyn Participant>>) -> Result<S
     Ok(System::new(participants, &connections)?)
 }
 
-fn typed(value: &toml::Value) -> Option<Value> {
+/// A value of a case file for a variable of this type. Any whole number will do for a real variable; only one of 32 bits
+/// does for an integer.
+fn typed(value: &toml::Value, kind: Kind) -> Option<Value> {
     match value {
         toml::Value::Float(value) => Some(Value::Real(*value)),
+        toml::Value::Integer(value) if kind == Kind::Real => Some(Value::Real(*value as f64)),
         toml::Value::Integer(value) => i32::try_from(*value).ok().map(Value::Integer),
         toml::Value::Boolean(value) => Some(Value::Boolean(*value)),
         toml::Value::String(value) => Some(Value::String(value.clone())),

@@ -188,11 +188,7 @@ fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
 
 fn labels(scene: &Scene) -> BTreeMap<String, String> {
     let Some(fluid) = &scene.fluid else { return BTreeMap::new() };
-    let point_names = fluid.probe.iter().flat_map(|probe| {
-        let count = probe.points().len();
-        let name = probe.name.clone();
-        (1..=count).map(move |i| if count == 1 { name.clone() } else { format!("{name}, {i}") })
-    });
+    let point_names = fluid.probe.iter().flat_map(scene::Probe::labels);
     let probes = point_names.enumerate().map(|(i, name)| (format!("{FLUID}.probe.pressure[{}]", i + 1), name));
     let regions = fluid.region.iter().enumerate();
     let regions = regions.map(|(i, region)| (format!("{FLUID}.region.mass[{}]", i + 1), region.name.clone()));

@@ -1,6 +1,8 @@
 //! From TOML text to typed data: overrides by dotted path, errors with the line and the nearest key.
 
 use crate::Error;
+use crate::lists::{self, Surplus};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 use toml::{Table, Value};
@@ -18,28 +20,48 @@ pub fn file_name(path: &Path) -> String {
 
 /// Parses the text of a document called `name`, with overrides (key path, TOML value). In a key path numbers index
 /// arrays and missing tables are made; below `parameters` the rest of the path is one name, for names of variables
-/// contain dots. A value that is no TOML counts as a string.
-pub fn from_toml<T: DeserializeOwned>(text: &str, name: &str, overrides: &[(String, String)]) -> Result<T, Error> {
+/// contain dots. A value that is no TOML counts as a string. Lists with entries that nothing reads are refused.
+pub fn from_toml<T: DeserializeOwned + Serialize>(
+    text: &str,
+    name: &str,
+    overrides: &[(String, String)],
+) -> Result<T, Error> {
     // The text alone comes first: only its own errors have a line.
-    let document = toml::from_str(text).map_err(|error| parse_error(name, text, &error))?;
+    let document: T = toml::from_str(text).map_err(|error| parse_error(name, text, &error))?;
+    let table: Table = text.parse().map_err(|error| parse_error(name, text, &error))?;
+    let mut root = Value::Table(table);
+    if let Some(list) = lists::surplus(&root, &document) {
+        let line = lists::place(text, &list.path).map_or(0, |place| line(text, place.start));
+        return Err(Error::Parse { name: name.to_string(), line, message: too_long(&list), hint: String::new() });
+    }
     if overrides.is_empty() {
         return Ok(document);
     }
-    let table: Table = text.parse().map_err(|error| parse_error(name, text, &error))?;
-    let mut root = Value::Table(table);
     for (key, value) in overrides {
         let slot = keys(key)
             .and_then(|keys| keys.into_iter().try_fold(&mut root, child))
             .map_err(|reason| Error::Override { text: shortened(format!("{key}={value}")), reason })?;
         *slot = parse_value(value);
     }
-    root.try_into().map_err(|error: toml::de::Error| {
+    let refuse = |reason: String| {
         let all: Vec<String> = overrides.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        Error::Override {
-            text: shortened(all.join("; ")),
-            reason: format!("{}{}", error.message(), hint(error.message())),
-        }
-    })
+        Error::Override { text: shortened(all.join("; ")), reason }
+    };
+    let changed: Result<T, toml::de::Error> = root.clone().try_into();
+    let document = changed.map_err(|error| refuse(format!("{}{}", error.message(), hint(error.message()))))?;
+    match lists::surplus(&root, &document) {
+        Some(list) => Err(refuse(too_long(&list))),
+        None => Ok(document),
+    }
+}
+
+fn too_long(list: &Surplus) -> String {
+    format!("{} has {} entries, expected {}", lists::shown(&list.path), list.got, list.expected)
+}
+
+/// Line of a place in a text, counted from one.
+fn line(text: &str, place: usize) -> usize {
+    text[..place].matches('\n').count() + 1
 }
 
 /// The beginning of a text that is too long for a message.
@@ -51,9 +73,12 @@ fn shortened(text: String) -> String {
 }
 
 fn parse_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
-    let line = error.span().map_or(0, |span| text[..span.start].matches('\n').count() + 1);
-    let message = error.message().to_string();
-    Error::Parse { name: name.to_string(), line, hint: hint(&message), message }
+    let place = error.span();
+    let line = place.as_ref().map_or(0, |place| line(text, place.start));
+    let path = place.map_or_else(Vec::new, |place| lists::path_at(text, &place));
+    let key = if path.is_empty() { String::new() } else { format!("{}: ", lists::shown(&path)) };
+    let message = error.message();
+    Error::Parse { name: name.to_string(), line, hint: hint(message), message: format!("{key}{message}") }
 }
 
 /// The known key nearest to an unknown one, from an error text that lists the known ones in backquotes.

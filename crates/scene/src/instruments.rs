@@ -41,6 +41,14 @@ impl Probe {
             _ => Vec::new(),
         }
     }
+
+    /// What reports call the places of this probe.
+    pub fn labels(&self) -> Vec<String> {
+        match self.points().len() {
+            1 => vec![self.name.clone()],
+            count => (1..=count).map(|i| format!("{}, {i}", self.name)).collect(),
+        }
+    }
 }
 
 /// A vertical line where the water level is reported.

@@ -1,6 +1,7 @@
 //! The ranges of every value of a scene. Geometry that needs more than one part is checked where it is built.
 
 use crate::*;
+use std::collections::BTreeMap;
 
 /// Particles that a scene may ask for; more is a slip in the spacing rather than a wish.
 const MOST_PARTICLES: f64 = 1e7;
@@ -8,6 +9,11 @@ const MOST_PARTICLES: f64 = 1e7;
 const MOST_STEPS: f64 = 1e9;
 /// Points of one line probe.
 const MOST_PROBE_POINTS: f64 = 1000.0;
+/// Largest speed \[m/s\] and velocity gradient \[1/s\]: incompressible water is slower than sound in it by far.
+const LARGEST_SPEED: f64 = 1e5;
+/// Bounds of a positive number in SI units: their squares and products are numbers too.
+const SMALLEST: f64 = 1e-15;
+const LARGEST: f64 = 1e15;
 
 struct Checker<'a> {
     name: &'a str,
@@ -34,14 +40,15 @@ impl Checker<'_> {
     }
 
     fn positive(&self, key: &str, value: f64) -> Result<(), Error> {
-        if value.is_finite() && value > 0.0 { Ok(()) } else { self.fail(key, value, "a finite number above 0") }
+        if (SMALLEST..=LARGEST).contains(&value) {
+            return Ok(());
+        }
+        self.fail(key, value, &format!("a number above 0, from {SMALLEST:e} to {LARGEST:e}"))
     }
 
-    fn finite(&self, key: &str, values: &[f64]) -> Result<(), Error> {
-        match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-            Some((index, value)) => self.fail(&format!("{key}[{index}]"), value, "a finite number"),
-            None => Ok(()),
-        }
+    fn all_within(&self, key: &str, values: &[f64], largest: f64) -> Result<(), Error> {
+        let mut values = values.iter().enumerate();
+        values.try_for_each(|(index, &value)| self.within(&format!("{key}[{index}]"), value, -largest, largest))
     }
 
     /// An optional number, or one with a default.
@@ -59,12 +66,41 @@ impl Checker<'_> {
         self.fail(key, format!("{point:?}"), "finite coordinates")
     }
 
+    fn speeds(&self, key: &str, speeds: [f64; 2], unit: &str) -> Result<(), Error> {
+        if speeds.iter().all(|value| value.abs() <= LARGEST_SPEED) {
+            return Ok(());
+        }
+        let expected = format!("numbers from -{LARGEST_SPEED:e} to {LARGEST_SPEED:e} {unit}");
+        self.fail(key, format!("{speeds:?}"), &expected)
+    }
+
     fn points(&self, key: &str, points: &[Point], least: usize) -> Result<(), Error> {
         if points.len() < least {
             return self.fail(key, format!("{} points", points.len()), &format!("at least {least} points"));
         }
         points.iter().enumerate().try_for_each(|(i, point)| self.point(&format!("{key}[{i}]"), *point))
     }
+
+    /// Refuses two entries of a list with one name.
+    fn unique<'a>(&self, list: &str, names: impl Iterator<Item = (usize, &'a str)>) -> Result<(), Error> {
+        let mut known = BTreeMap::new();
+        for (index, name) in names {
+            if let Some(first) = known.insert(name, index) {
+                let expected = format!("a name that is used once; {list}[{first}] has it too");
+                return self.fail(&format!("{list}[{index}].name"), format!("'{name}'"), &expected);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Checks the figures that a scene or case asks for; `name` is used in messages.
+///
+/// # Errors
+/// A number out of its range, or a name that two of them have.
+pub fn validate_checks(checks: &[Check], name: &str) -> Result<(), Error> {
+    checks.iter().enumerate().try_for_each(|(index, figure)| figure.validate(name, index))?;
+    Checker { name }.unique("check", checks.iter().map(|check| check.name.as_str()).enumerate())
 }
 
 impl Scene {
@@ -85,7 +121,7 @@ impl Scene {
             validate_structure(&check, structure)?;
         }
         self.coupling.validate(name, self.run.communication_step)?;
-        self.check.iter().enumerate().try_for_each(|(index, figure)| figure.validate(name, index))
+        validate_checks(&self.check, name)
     }
 }
 
@@ -202,13 +238,20 @@ fn validate_fluid(check: &Checker, fluid: &Fluid, has_body: bool) -> Result<(), 
     for (i, gauge) in fluid.gauge.iter().enumerate() {
         check.finite_if(&format!("fluid.gauge[{i}].x"), gauge.x)?;
     }
-    fluid.probe.iter().enumerate().try_for_each(|(i, probe)| validate_probe(check, i, probe))
+    fluid.probe.iter().enumerate().try_for_each(|(i, probe)| validate_probe(check, i, probe))?;
+    check.unique("fluid.gauge", fluid.gauge.iter().map(|gauge| gauge.name.as_str()).enumerate())?;
+    check.unique("fluid.region", fluid.region.iter().map(|region| region.name.as_str()).enumerate())?;
+    let labels: Vec<_> = fluid.probe.iter().map(Probe::labels).enumerate().collect();
+    let labels = labels.iter().flat_map(|(i, labels)| labels.iter().map(|label| (*i, label.as_str())));
+    check.unique("fluid.probe", labels)
 }
 
 /// What moves the water besides gravity.
 fn validate_forcing(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
-    check.point("fluid.start.velocity", fluid.start.velocity)?;
-    check.points("fluid.start.gradient", &fluid.start.gradient, 2)?;
+    check.speeds("fluid.start.velocity", fluid.start.velocity, "m/s")?;
+    for (i, &row) in fluid.start.gradient.iter().enumerate() {
+        check.speeds(&format!("fluid.start.gradient[{i}]"), row, "1/s")?;
+    }
     check.within("fluid.start.jitter", fluid.start.jitter, 0.0, 0.2)?;
     for (i, zone) in fluid.damping.iter().enumerate() {
         let key = |field: &str| format!("fluid.damping[{i}].{field}");
@@ -280,13 +323,18 @@ fn validate_probe(check: &Checker, index: usize, probe: &Probe) -> Result<(), Er
 fn validate_structure(check: &Checker, structure: &Structure) -> Result<(), Error> {
     check.point("structure.origin", structure.origin)?;
     check.within("structure.angle", structure.angle, -10.0, 10.0)?;
-    check.within("structure.mass", structure.mass, 0.0, f64::MAX)?;
-    check.within("structure.inertia", structure.inertia, 0.0, f64::MAX)?;
-    if structure.free.iter().any(|freedom| *freedom != Freedom::Theta) {
-        check.positive("structure.mass", structure.mass)?;
-    }
-    if structure.free.contains(&Freedom::Theta) {
-        check.positive("structure.inertia", structure.inertia)?;
+    check.within("structure.mass", structure.mass, 0.0, LARGEST)?;
+    check.within("structure.inertia", structure.inertia, 0.0, LARGEST)?;
+    let free = |freedom: &Freedom| structure.free.contains(freedom);
+    for (key, value, needed, coordinate) in [
+        ("structure.mass", structure.mass, free(&Freedom::X), "x"),
+        ("structure.mass", structure.mass, free(&Freedom::Y), "y"),
+        ("structure.inertia", structure.inertia, free(&Freedom::Theta), "theta"),
+    ] {
+        if needed && value < SMALLEST {
+            let expected = format!("a number of at least {SMALLEST:e}, since structure.free has {coordinate}");
+            check.fail(key, value, &expected)?;
+        }
     }
     for (k, &spring) in structure.springs.iter().enumerate() {
         check.within(&format!("structure.springs[{k}]"), spring, 0.0, 1e15)?;
@@ -312,7 +360,7 @@ fn validate_structure(check: &Checker, structure: &Structure) -> Result<(), Erro
         validate_beam(check, beam)?;
     }
     check.within("length of structure.constant_load", structure.constant_load.len() as f64, 0.0, 3.0 + modes as f64)?;
-    check.finite("structure.constant_load", &structure.constant_load)
+    check.all_within("structure.constant_load", &structure.constant_load, LARGEST)
 }
 
 fn validate_beam(check: &Checker, beam: &Beam) -> Result<(), Error> {
@@ -327,7 +375,7 @@ fn validate_beam(check: &Checker, beam: &Beam) -> Result<(), Error> {
     for (i, zeta) in beam.damping.iter().enumerate() {
         check.within(&format!("structure.beam.damping[{i}]"), *zeta, 0.0, 1.0)?;
     }
-    check.finite("structure.beam.initial_modes", &beam.initial_modes)?;
+    check.all_within("structure.beam.initial_modes", &beam.initial_modes, LARGEST)?;
     for (key, count) in [("damping", beam.damping.len()), ("initial_modes", beam.initial_modes.len())] {
         check.within(&format!("length of structure.beam.{key}"), count as f64, 0.0, beam.modes as f64)?;
     }

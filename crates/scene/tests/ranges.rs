@@ -91,9 +91,12 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("output.interval", &["-1e-9"], &["0", "1e9"]),
     ("output.record_interval", &["-1e-9"], &["0", "1e9"]),
     ("output.checkpoint_interval", &["-1e-9", "1.1e9"], &["0", "1e9"]),
-    ("fluid.density", &["-1", "0"], &["1e-3"]),
+    ("fluid.density", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
     ("fluid.spacing", &["-0.01", "0", "2e-4", "1e-300"], &["3e-4", "0.1"]),
     ("fluid.threads", &["-1", "1025"], &["0", "1024"]),
+    ("fluid.start.velocity.0", &["-1.1e5", "1e300"], &["-1e5", "1e5"]),
+    ("fluid.start.velocity.1", &["1.1e5"], &["1e5"]),
+    ("fluid.start.gradient.1.0", &["-1.1e5", "1.1e5"], &["-1e5", "1e5"]),
     ("fluid.start.jitter", &["-0.1", "0.21"], &["0.0", "0.2"]),
     ("fluid.damping.0.from", &["nan", "1e10"], &["0.5"]),
     ("fluid.damping.0.to", &["0.8", "inf"], &["0.0"]),
@@ -122,21 +125,23 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("structure.springs.1", &["-1"], &["0"]),
     ("structure.springs.2", &["-1"], &["0"]),
     ("structure.angle", &["-10.1", "10.1"], &["-10", "10"]),
-    ("structure.mass", &["-1", "0"], &["1e-3"]),
-    ("structure.inertia", &["-1", "0"], &["1e-3"]),
+    ("structure.mass", &["-1", "0", "1.1e15"], &["1e-3"]),
+    ("structure.inertia", &["-1", "0", "1.1e15"], &["1e-3"]),
+    ("structure.constant_load.0", &["-1.1e15", "1.1e15"], &["-1e15", "1e15"]),
     ("structure.integrator.rho_infinity", &["-0.01", "1.01"], &["0", "1"]),
     ("structure.integrator.beta", &["0.009", "1.01"], &["0.01", "1"]),
     ("structure.integrator.gamma", &["0.49", "1.01"], &["0.5", "1"]),
-    ("structure.beam.length", &["-1", "0"], &["1e-3"]),
-    ("structure.beam.thickness", &["-1", "0"], &["1e-3"]),
-    ("structure.beam.density", &["-1", "0"], &["1e-3"]),
-    ("structure.beam.youngs_modulus", &["-1", "0"], &["1e-3"]),
+    ("structure.beam.length", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
+    ("structure.beam.thickness", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
+    ("structure.beam.density", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
+    ("structure.beam.youngs_modulus", &["-1", "0", "1.1e15"], &["1e-3", "210000000000"]),
     ("structure.beam.poisson_ratio", &["-0.01", "0.51"], &["0", "0.5"]),
     ("structure.contact.depth", &["0.0", "2.0"], &["1e-9", "1.0"]),
     ("structure.contact.damping", &["-1.0", "inf"], &["0.0"]),
     ("structure.beam.deflection_limit", &["0.0", "inf"], &["1e-6", "1e6"]),
     ("structure.beam.modes", &["-1", "9"], &["1", "8"]),
     ("structure.beam.damping.0", &["-0.01", "1.01"], &["0", "1"]),
+    ("structure.beam.initial_modes.0", &["-1.1e15", "1.1e15"], &["-1e15", "1e15"]),
     ("coupling.relaxation", &["-1", "0", "1.01"], &["1e-6", "1"]),
     ("coupling.tolerance_relative", &["-1e-9", "1.01"], &["0", "1"]),
     ("coupling.tolerance_absolute", &["-1e-9"], &["0", "1e9"]),
@@ -175,7 +180,8 @@ fn names(message: &str, key: &str, value: &str) {
         "{key}={value}: {message}"
     );
     let number = value.parse::<f64>().map_or_else(|_| value.to_string(), |number| number.to_string());
-    assert!(message.contains(&number) || from_override, "{key}={value}: {message}");
+    let in_list = value.parse::<f64>().map_or_else(|_| value.to_string(), |number| format!("{number:?}"));
+    assert!(message.contains(&number) || message.contains(&in_list) || from_override, "{key}={value}: {message}");
     assert!(message.contains("expected"), "{key}={value}: {message}");
 }
 
@@ -268,6 +274,94 @@ fn lists_that_are_too_short_or_too_long() {
     let nothing = "title = 'n'\n[run]\nend = 1.0\ncommunication_step = 0.1\n";
     let message = Scene::from_str(nothing, "n.toml").unwrap_err().to_string();
     assert!(message.contains("at least one of [fluid] and [structure]"), "{message}");
+}
+
+/// Points, vectors and the lists of three springs have as many entries as they need, no more and no less.
+#[test]
+fn lists_of_a_fixed_length() {
+    for (key, value, path, got, expected) in [
+        ("gravity", "[0.0, 0.0, -9.81]", "gravity", 3, 2),
+        ("fluid.start.velocity", "[1, 2, 3]", "fluid.start.velocity", 3, 2),
+        ("fluid.start.gradient", "[[1, 0], [0, 1], [0, 0]]", "fluid.start.gradient", 3, 2),
+        ("fluid.start.gradient", "[[1, 0], [0, 1, 2]]", "fluid.start.gradient[1]", 3, 2),
+        ("fluid.shaking.amplitude", "[1, 2, 3, 4]", "fluid.shaking.amplitude", 4, 2),
+        ("fluid.water.0.polygon.0", "[0, 0, 0]", "fluid.water[0].polygon[0]", 3, 2),
+        ("fluid.wall.0.points.3", "[1, 1, 0]", "fluid.wall[0].points[3]", 3, 2),
+        ("fluid.probe.0.point", "[0, 0.1, 0]", "fluid.probe[0].point", 3, 2),
+        ("fluid.region.0.polygon.2", "[1, 0.5, 0]", "fluid.region[0].polygon[2]", 3, 2),
+        ("structure.origin", "[0.5, 0.6, 0]", "structure.origin", 3, 2),
+        ("structure.springs", "[1, 2, 3, 4]", "structure.springs", 4, 3),
+        ("structure.beam.middle", "[0, 0.1, 0]", "structure.beam.middle", 3, 2),
+        ("check.0.points.0", "[0, 1, 2]", "check[0].points[0]", 3, 2),
+    ] {
+        let message = with(key, value).expect_err(&format!("{key}={value} is accepted"));
+        let words = format!("{path} has {got} entries, expected {expected}");
+        assert!(message.contains(&words) && message.contains(key), "{message}: expected {words}");
+        with(key, "[1]").expect_err(&format!("{key} with one entry"));
+    }
+    let springs = SCENE.replace("springs = [1.0, 2.0, 3.0]", "springs = [\n  1.0, 2.0, 3.0,\n  4.0,\n]");
+    let line = 1 + SCENE[..SCENE.find("springs").unwrap()].matches('\n').count();
+    let message = Scene::from_str(&springs, "all.toml").unwrap_err().to_string();
+    assert_eq!(message, format!("all.toml, line {line}: structure.springs has 4 entries, expected 3"));
+    let short = SCENE.replace("origin = [0.5, 0.6]", "origin = [0.5]");
+    let line = 1 + SCENE[..SCENE.find("origin").unwrap()].matches('\n').count();
+    let message = Scene::from_str(&short, "all.toml").unwrap_err().to_string();
+    assert!(message.starts_with(&format!("all.toml, line {line}: structure.origin: invalid length 1")), "{message}");
+}
+
+/// A name stands for one figure of the report.
+#[test]
+fn names_are_used_once() {
+    let checks = r#"[{ name = "x", kind = "series_mean" }, { name = "x", kind = "series_maximum" }]"#;
+    for (key, value, words) in [
+        ("check", checks, "check[1].name = 'x': expected a name that is used once; check[0] has it too"),
+        (
+            "fluid.probe",
+            "[{ name = 'a', point = [0, 0] }, { name = 'a', point = [0, 1] }]",
+            "fluid.probe[1].name = 'a'",
+        ),
+        (
+            "fluid.probe",
+            "[{ name = 'l', from = [0, 0], to = [0, 1], count = 2 }, { name = 'l, 2', point = [0, 1] }]",
+            "fluid.probe[1].name = 'l, 2'",
+        ),
+        ("fluid.gauge", "[{ name = 'a', x = 1 }, { name = 'b', x = 1 }, { name = 'a', x = 2 }]", "fluid.gauge[2].name"),
+        (
+            "fluid.region",
+            "[{ name = 'r', polygon = [[0, 0], [1, 0], [1, 1]] }, { name = 'r', polygon = [[0, 0], [1, 0], [1, 1]] }]",
+            "fluid.region[1].name = 'r'",
+        ),
+    ] {
+        let message = with(key, value).expect_err(&format!("{key}={value} is accepted"));
+        assert!(message.contains(words), "{message}: expected {words}");
+    }
+    with("fluid.gauge", "[{ name = 'p', x = 1 }]").expect("a gauge may have the name of a probe");
+}
+
+/// What does not move needs no inertia; what moves says which key it lacks.
+#[test]
+fn mass_and_inertia_are_needed_where_they_move() {
+    let freed = |free: &str, key: &str| {
+        let text =
+            SCENE.replace(r#"free = ["x", "theta"]"#, free).replace("contact = { depth = 1e-3, damping = 1.0 }", "");
+        Scene::from_str(&text.replace(&format!("\n{key} = 1.0"), ""), "all.toml").map_err(|error| error.to_string())
+    };
+    freed(r#"free = ["y"]"#, "inertia").unwrap();
+    freed(r#"free = ["theta"]"#, "mass").unwrap();
+    freed("free = []", "mass").unwrap();
+    let message = freed(r#"free = ["y"]"#, "mass").unwrap_err();
+    assert!(message.contains("structure.mass = 0") && message.contains("structure.free has y"), "{message}");
+    let message = freed(r#"free = ["x", "theta"]"#, "inertia").unwrap_err();
+    assert!(message.contains("structure.inertia = 0") && message.contains("structure.free has theta"), "{message}");
+}
+
+/// A whole number of more than 32 bits is as good as any other, in a file and in a change.
+#[test]
+fn large_whole_numbers_are_numbers() {
+    let modulus = |scene: Scene| scene.structure.unwrap().beam.unwrap().youngs_modulus;
+    assert_eq!(modulus(with("structure.beam.youngs_modulus", "210000000000").unwrap()), 2.1e11);
+    let text = SCENE.replace("youngs_modulus = 1e6", "youngs_modulus = 210000000000");
+    assert_eq!(modulus(Scene::from_str(&text, "all.toml").unwrap()), 2.1e11);
 }
 
 #[test]

@@ -7,10 +7,10 @@ use nalgebra::Vector2;
 /// A rigid cabin, with or without a beam.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
-    /// M_R, mass of the rigid part, kg per metre of width. Positive when X, Y or theta is free.
+    /// M_R, mass of the rigid part, kg per metre of width. Positive when X or Y is free.
     pub rigid_mass: f64,
     /// I_R, moment of inertia of the rigid part about its centre of gravity o_R, kg m2 per metre of width. Positive
-    /// when X, Y or theta is free.
+    /// when theta is free.
     pub rigid_inertia: f64,
     /// Acceleration of gravity along -Y of the global frame, m/s2, at least 0.
     pub gravity: f64,
@@ -98,11 +98,14 @@ impl Parameters {
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
-        let moves = self.free.contains(&true);
-        let inertial = |value: f64| if moves { value > 0.0 } else { value >= 0.0 };
-        let range = if moves { "positive and finite when x, y or theta is free" } else { "at least 0 and finite" };
-        check("the rigid mass [kg/m]", self.rigid_mass, inertial(self.rigid_mass), range)?;
-        check("the rigid moment of inertia [kg m2/m]", self.rigid_inertia, inertial(self.rigid_inertia), range)?;
+        let inertial = |what: &str, value: f64, moves: bool, range: &'static str| {
+            let inside = if moves { value > 0.0 } else { value >= 0.0 };
+            check(what, value, inside, if moves { range } else { "at least 0 and finite" })
+        };
+        let [x, y, theta] = self.free;
+        inertial("the rigid mass [kg/m]", self.rigid_mass, x || y, "positive and finite when x or y is free")?;
+        let what = "the rigid moment of inertia [kg m2/m]";
+        inertial(what, self.rigid_inertia, theta, "positive and finite when theta is free")?;
         check("the gravity [m/s2]", self.gravity, self.gravity >= 0.0, "at least 0 and finite")?;
         check("the angle [rad]", self.angle, true, "finite")?;
         for (name, &spring) in ["x", "y", "theta"].iter().zip(&self.springs) {

@@ -204,7 +204,11 @@ fn parameters_out_of_range_are_refused_with_the_range() {
     let good = || cabin(3, 40.0, 9.81);
     assert_eq!(
         message(Parameters { rigid_mass: 0.0, ..good() }),
-        "the rigid mass [kg/m] is 0, but has to be positive and finite when x, y or theta is free"
+        "the rigid mass [kg/m] is 0, but has to be positive and finite when x or y is free"
+    );
+    assert_eq!(
+        message(Parameters { rigid_inertia: 0.0, ..good() }),
+        "the rigid moment of inertia [kg m2/m] is 0, but has to be positive and finite when theta is free"
     );
     assert!(
         message(Parameters { rigid_inertia: -1.0, ..good() })
@@ -228,4 +232,31 @@ fn parameters_out_of_range_are_refused_with_the_range() {
     let mut damped = good();
     damped.beam.as_mut().unwrap().damping_ratios = vec![0.1];
     assert_eq!(message(damped), "the list of damping ratios has 1 entries, but the structure needs 3");
+}
+
+/// Nothing is asked of a coordinate that is locked: a mass without inertia falls, an inertia without mass swings on its
+/// spring.
+#[test]
+fn only_free_coordinates_need_inertia() {
+    let parameters = |free, rigid_mass, rigid_inertia, springs| Parameters {
+        free,
+        rigid_mass,
+        rigid_inertia,
+        springs,
+        beam: None,
+        ..cabin(0, 40.0, 9.81)
+    };
+    let solver = Solver::new(parameters([false, true, false], 2.0, 0.0, [0.0; 3])).unwrap();
+    let (mut state, mut workspace) = (solver.initial_state(&[]).unwrap(), solver.workspace());
+    for _ in 0..10 {
+        solver.step(&mut state, &[0.0; 3], 0.01, &mut workspace).unwrap();
+    }
+    // y = -g t^2 / 2 is exact for the average acceleration.
+    assert!((state.motion.position[1] + 0.5 * 9.81 * 0.01).abs() < 1e-12, "{:?}", state.motion.position);
+    let solver = Solver::new(parameters([false, false, true], 0.0, 3.0, [0.0, 0.0, 12.0])).unwrap();
+    let (mut state, mut workspace) = (solver.initial_state(&[]).unwrap(), solver.workspace());
+    solver.step(&mut state, &[0.0, 0.0, 6.0], 0.1, &mut workspace).unwrap();
+    // The average acceleration makes no energy: what there is, is the work of the load.
+    let energy = solver.kinetic_energy(&state) + 0.5 * 12.0 * state.motion.position[2].powi(2);
+    assert!((energy - 6.0 * state.motion.position[2]).abs() < 1e-9, "{energy}");
 }

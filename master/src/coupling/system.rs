@@ -129,8 +129,8 @@ impl System {
         self.iterated.iter().map(|(node, place)| self.nodes[*node].values[*place]).collect()
     }
 
-    /// A real variable of a participant, both by name.
-    pub fn read(&mut self, participant: &str, variable: &str) -> Result<f64, Error> {
+    /// A real variable of a participant at `time` \[s\], both by name.
+    pub fn read(&mut self, participant: &str, variable: &str, time: f64) -> Result<f64, Error> {
         let unknown = || crate::participant::Error::UnknownVariable {
             participant: participant.to_string(),
             variable: variable.to_string(),
@@ -140,7 +140,11 @@ impl System {
         let variable = found.participant.description().variable(participant, variable)?.clone();
         let mut value = [0.0];
         found.participant.get_reals(&[variable.reference], &mut value)?;
-        Ok(value[0])
+        if value[0].is_finite() {
+            return Ok(value[0]);
+        }
+        let (participant, variable) = (participant.to_string(), variable.name);
+        Err(Error::NotFinite { participant, variable, value: value[0], time })
     }
 
     /// The participants in their order.

@@ -272,6 +272,27 @@ fn not_a_number_stops_with_its_name() {
     assert_eq!(error.to_string(), "water: variable 'q2' is NaN at t = 0.01 s");
 }
 
+/// A value that no other participant takes stops the run as well, at the row that would hold it.
+#[test]
+fn infinity_stops_with_its_name() {
+    let rule: Rule = Box::new(|_, _, _| Ok(vec![0.0, f64::NEG_INFINITY, 0.0]));
+    let broken = Toy::boxed("water", &["v1", "v2", "v3"], &["q1", "q2", "q3"], vec![], rule);
+    let error = run(&parameters(Method::IqnIls, 0.1), &mut connect(vec![springs(1.0), broken])).unwrap_err();
+    assert_eq!(error.to_string(), "water: variable 'q2' is -inf at t = 0.01 s");
+
+    let rule: Rule = Box::new(|_, _, _| Ok(vec![1.0, f64::INFINITY]));
+    let mut system = System::new(vec![Toy::boxed("gas", &[], &["v", "p"], vec![], rule)], &[]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("results.csv");
+    let mut results = crate::record::ResultWriter::create(&path, &system, &[], 0.0).unwrap();
+    results.record(&mut system, 0.0, false).unwrap();
+    system.pass(0.0, 0.01, &[]).unwrap();
+    let error = results.record(&mut system, 0.01, false).unwrap_err();
+    assert_eq!(error.to_string(), "gas: variable 'p' is inf at t = 0.01 s");
+    assert_eq!(system.read("gas", "p", 0.01).unwrap_err().to_string(), "gas: variable 'p' is inf at t = 0.01 s");
+    assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 2, "names and the start");
+}
+
 #[test]
 fn wrong_connections_are_named() {
     let link = |from: (&str, &str), to: (&str, &str)| Connection {

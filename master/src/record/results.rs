@@ -143,7 +143,7 @@ fn read(system: &mut System, variables: &[Vec<Variable>], time: f64) -> Result<V
     for (participant, chosen) in system.participants().zip(variables) {
         for variable in chosen {
             let value = participant.get(variable)?.number().unwrap_or(f64::NAN);
-            if value.is_nan() {
+            if !value.is_finite() {
                 return Err(crate::coupling::Error::NotFinite {
                     participant: participant.name().to_string(),
                     variable: variable.name.clone(),
