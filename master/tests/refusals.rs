@@ -116,6 +116,9 @@ fn cases_that_do_not_fit_their_fmu() {
     says(&with("particle_spacing", "particle_spacin"), &["particle_spacin", "'particle_spacing'"]);
     says(&with("= 0.1", "= -0.1"), &["particle_spacing", "-0.1"]);
     says(&with("= 0.1", "= 'wide'"), &["particle_spacing", "wide"]);
+    // A whole number of any length is a number: it reaches the scene's own check.
+    says(&with("= 0.1", "= 210000000000"), &["fmi2EnterInitializationMode", "0.1 spacings = 21000000000 m"]);
+    says(&with("particle_spacing = 0.1", "threads = 210000000000"), &["'threads' is Integer", "210000000000"]);
     says(&with("= 0.1", "= nan"), &["particle_spacing", "NaN"]);
     says(&with("'hydrostatic'", "'hydrostati'"), &["hydrostati", "hydrostatic"]);
     let unknown = "[coupling]\nmaximum_iterations = 0\n[[fmu]]";
@@ -136,4 +139,69 @@ fn a_step_that_is_discarded_ends_the_run_as_failed() {
     says(&summary, &["\"status\": \"failed\"", "after 1 iterations", "\"particles lost\""]);
     let results = std::fs::read_to_string(out.join("results.csv")).unwrap();
     assert_eq!(results.lines().count(), 2, "names and the start: {results}");
+}
+
+const TANK: &str = "title = 'tank'\ngravity = [0.0, -9.81]\n[run]\nend = 0.02\ncommunication_step = 0.01\n\
+    [output]\ninterval = 0.0\n[fluid]\nspacing = 0.05\nwater = [{ polygon = [[0, 0], [0.3, 0], [0.3, 0.25], [0, 0.25]] }]\n\
+    wall = [{ points = [[0, 0.8], [0, 0], [1, 0], [1, 0.8]] }]\nprobe = [{ name = 'p', point = [0.3, 0.01] }]\n\
+    gauge = [{ name = 'g', x = 0.5 }]\n[[check]]\nname = 'x'\nkind = 'series_maximum'\nvariable = 'fluid.front.x'\n";
+
+/// Writes the scene with this change into the folder.
+fn changed(folder: &Path, from: &str, to: &str) -> String {
+    assert!(TANK.contains(from), "{from}");
+    let path = folder.join("tank.toml");
+    std::fs::write(&path, TANK.replacen(from, to, 1)).unwrap();
+    path.to_str().unwrap().to_string()
+}
+
+/// What a scene gets wrong is told by `check` and by `run` in the same words.
+#[test]
+fn scenes_that_cannot_mean_what_they_say_are_refused_by_check_and_run() {
+    let walls = "[[0, 0.8], [0, 0], [1, 0], [1, 0.8]]";
+    let second = "kind = 'series_maximum'\n[[check]]\nname = 'x'\nkind = 'series_maximum'";
+    for (from, to, words) in [
+        ("[0.0, -9.81]", "[0.0, 0.0, -9.81]", &["tank.toml, line 2: gravity has 3 entries, expected 2"][..]),
+        ("[[0, 0], [0.3", "[[0, 0, 0], [0.3", &["line 10: fluid.water[0].polygon[0] has 3 entries, expected 2"]),
+        (
+            "spacing =",
+            "start = { velocity = [1e300, 0.0] }\nspacing =",
+            &["fluid.start.velocity = [1e300, 0.0]", "1e5"],
+        ),
+        ("kind = 'series_maximum'", second, &["check[1].name = 'x'", "check[0] has it too"]),
+        ("[0.3, 0.01]", "[0.9, -0.1]", &["fluid.probe[0] 'p' = (0.9, -0.1)", "0.1 m within a solid; move it"]),
+        ("[0.3, 0.01]", "[5, 5]", &["fluid.probe[0] 'p' = (5, 5)", "outside of walls, water and structure"]),
+        ("x = 0.5", "x = 5", &["fluid.gauge[0] 'g' = 5 m", "it lies 4 m outside"]),
+        (
+            walls,
+            "[[0, 0.8], [0, 0], [1, 0], [0.5, 0], [1, 0], [1, 0.8]]",
+            &["fixed wall 0 turns back on itself at (1, 0)"],
+        ),
+        (walls, "[[0, 0.8], [0, 0], [1, 0], [1, 0.8], [0.5, -0.3]]", &["fixed wall 0 crosses itself at (0.636364, 0)"]),
+        ("[0.3, 0.25], [0, 0.25]", "[0, 0.25], [0.3, 0.25]", &["water 0 crosses itself at (0.15, 0.125)"]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = changed(folder.path(), from, to);
+        let out = folder.path().join("out");
+        let picture = folder.path().join("picture");
+        says(&refused(&["check", &path, "--picture", picture.to_str().unwrap()]), words);
+        says(&refused(&["run", &path, "--out", out.to_str().unwrap()]), words);
+        assert!(!out.join("summary.json").exists(), "nothing ran: {words:?}");
+    }
+}
+
+/// A probe that stands a little in the wall does not hinder a run, but is told of.
+#[test]
+fn doubtful_probes_are_warned_of_by_check_and_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = changed(folder.path(), "[0.3, 0.01]", "[0.3, -0.01]");
+    let (out, picture) = (folder.path().join("out"), folder.path().join("picture"));
+    let program = env!("CARGO_BIN_EXE_plimsoll");
+    for arguments in
+        [["check", &path, "--picture", picture.to_str().unwrap()], ["run", &path, "--out", out.to_str().unwrap()]]
+    {
+        let output = Command::new(program).args(arguments).current_dir(root()).output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{arguments:?}: {message}");
+        says(&message, &["fluid.probe[0] 'p' at (0.3, -0.01) may read nothing: it lies 0.01 m within a solid"]);
+    }
 }

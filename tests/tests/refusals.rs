@@ -106,14 +106,15 @@ fn parameters_that_ask_for_too_much_are_refused_like_the_scenes_own() {
 #[test]
 fn impossible_structures_are_refused_with_numbers() {
     let library = Library::load("structure_fmu").unwrap();
-    let free = "structure.free=['x']; structure.mass=1";
+    let free = "structure.free=['theta']; structure.mass=1";
     let twice = "structure.wall=[{ points = [[0,0],[0,0]] }]";
     for (overrides, words) in [
         ("structure.beam.length=-1", &["structure.beam.length = -1"][..]),
         ("structure.beam.damping=[0.1,0.2]", &["structure.beam.damping = 2", "from 0 to 1"]),
         ("structure.integrator.beta=0.1", &["beta", "0.1", "gamma/2"]),
         ("gravity=[1.0,-9.81]", &["gravity = [1.0, -9.81]"]),
-        (free, &["moment of inertia", "0", "positive"]),
+        (free, &["structure.inertia = 0", "structure.free has theta"]),
+        ("structure.free=['x']", &["structure.mass = 0", "structure.free has x"]),
         (twice, &["coincide", "(0, 0)"]),
     ] {
         refused(&slave::<StructureComponent>(&library, "free_decay", overrides), words);

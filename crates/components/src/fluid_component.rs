@@ -1,5 +1,6 @@
 //! The fluid: water between fixed walls and around a body whose motion comes from outside.
 
+mod instruments;
 mod machinery;
 mod table;
 
@@ -77,16 +78,18 @@ pub struct FluidComponent {
     observed: OnceCell<Observables>,
 }
 
-/// Places of the particles of a scene's water \[m\], set up as a run would do it; none without a fluid.
+/// Places of the particles of a scene's water \[m\], set up as a run would do it, and what a run would warn of; none
+/// without a fluid.
 ///
 /// # Errors
 /// What a run would refuse before its first step.
-pub fn fluid_set_up(scene: &Scene) -> Result<Vec<[f32; 2]>, Error> {
+pub fn fluid_set_up(scene: &Scene) -> Result<(Vec<[f32; 2]>, Vec<String>), Error> {
     if scene.fluid.is_none() {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), Vec::new()));
     }
     let machinery = Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, &SceneParameters::default(), 0.0)?;
-    Ok(machinery.solver.initial_state().positions.iter().map(crate::frames::single).collect())
+    let particles = machinery.solver.initial_state().positions.iter().map(crate::frames::single).collect();
+    Ok((particles, machinery.warnings))
 }
 
 impl FluidComponent {
@@ -194,6 +197,7 @@ impl Component for FluidComponent {
 
     fn initialise(&mut self, experiment: &Experiment, log: &Logger) -> Result<(), Failure> {
         self.prepare(experiment.start).map_err(|error| Failure::broken(error.to_string()))?;
+        self.machinery.iter().flat_map(|machinery| &machinery.warnings).for_each(|warning| log.warning(warning));
         if let Some(progress) = &self.state.progress {
             let count = progress.state.positions.len();
             log.event(&format!("fluid of '{}' with {count} particles is ready", progress.scene.title));
@@ -245,8 +249,8 @@ impl Component for FluidComponent {
             Some(machinery) => machinery.solver.check_state(&progress.state),
             None => {
                 machinery::check_count(&progress.scene, &progress.state)?;
-                let (solver, _) = machinery::solver(&progress.scene, self.modes).map_err(|error| refuse(&error))?;
-                solver.check_state(&progress.state)
+                let set_up = machinery::solver(&progress.scene, self.modes).map_err(|error| refuse(&error))?;
+                set_up.solver.check_state(&progress.state)
             }
         };
         checked.map_err(|error| refuse(&error))

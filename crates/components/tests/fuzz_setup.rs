@@ -83,7 +83,7 @@ fn set_up(scene: &Scene) -> Result<bool, TestCaseError> {
     }
     let count = match fluid_set_up(scene) {
         Err(error) => return told(&error).map(|()| false),
-        Ok(places) => places.len(),
+        Ok((places, _)) => places.len(),
     };
     if count == 0 {
         return Ok(bodies.is_ok());

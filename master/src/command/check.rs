@@ -1,10 +1,10 @@
 //! `plimsoll check`: what a scene is and what its run will take, before it runs.
 
 use super::Failure;
-use crate::answer;
 use crate::case::Case;
 use crate::report::{self, SetUp};
 use crate::target::Target;
+use crate::{answer, tell};
 use scene::Scene;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -45,11 +45,12 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let scene = Scene::from_file_with(&target.path, &overrides)?;
-    let particles = components::fluid_set_up(&scene)?;
+    let (particles, warnings) = components::fluid_set_up(&scene)?;
     let (coordinates, structure) = components::structure_set_up(&scene)?;
     let memory = (particles.len() * BYTES_PER_PARTICLE).div_ceil(1_000_000);
     let count = particles.len();
     answer!("# {path}: valid; {count} particles (about {memory} MB), {coordinates} coordinates of the structure;");
+    warnings.iter().for_each(|warning| tell!("warning: {warning}"));
     if !particles.is_empty() {
         let (steps, seconds) = estimate(&scene, &particles, coordinates);
         answer!("# about {steps:.0} steps and {} on this machine, give or take a factor of two;", duration(seconds));

@@ -91,7 +91,7 @@ mod tests {
     fn every_template_is_a_scene_that_can_be_set_up() {
         for kind in [Kind::Tank, Kind::Plate, Kind::Cabin] {
             let scene = Scene::from_str(kind.template(), "template").unwrap();
-            assert!(components::fluid_set_up(&scene).unwrap().len() > 100, "{kind:?}");
+            assert!(components::fluid_set_up(&scene).unwrap().0.len() > 100, "{kind:?}");
             components::structure_set_up(&scene).unwrap();
         }
     }

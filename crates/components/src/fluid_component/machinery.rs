@@ -1,6 +1,6 @@
 //! What follows from the scene and needs no saving: solver, scratch, field frames.
 
-use super::{GAUGES, PROBES, REGIONS};
+use super::{GAUGES, PROBES, REGIONS, instruments};
 use crate::frames::{Field, Frame, Series, single, write_frame};
 use crate::parameters::SceneParameters;
 use crate::{Error, conversion};
@@ -18,6 +18,8 @@ pub(super) struct Machinery {
     /// In a cell: figures are computed when they are read, and what they need serves the next step.
     pub(super) workspace: RefCell<fluid::Workspace>,
     series: Option<Series>,
+    /// What is odd about the scene, and does not hinder a run.
+    pub(super) warnings: Vec<String>,
 }
 
 impl Machinery {
@@ -27,12 +29,12 @@ impl Machinery {
         parameters: &SceneParameters,
         start: f64,
     ) -> Result<Self, Error> {
-        let (solver, walls) = solver(&scene, modes)?;
+        let SetUp { solver, walls, warnings } = solver(&scene, modes)?;
         let series = parameters.series(&scene, "particles", start)?;
         if series.is_some() {
             write_frame(&Path::new(&parameters.output_directory).join("walls.vtu"), outline(&walls))?;
         }
-        Ok(Self { workspace: RefCell::new(solver.workspace()), solver, series, scene })
+        Ok(Self { workspace: RefCell::new(solver.workspace()), solver, series, warnings, scene })
     }
 
     /// Whether this was made for an equal scene.
@@ -85,11 +87,17 @@ pub(super) fn check_count(scene: &Scene, state: &fluid::State) -> Result<(), Fai
     Err(Failure::refused(format!("{count} particles and {lost} lost ones: expected about {expected:.0} in {area} m2")))
 }
 
-/// Fixed walls, corner by corner.
-type Walls = Vec<Vec<Vector2<f64>>>;
+/// What a scene became.
+pub(super) struct SetUp {
+    pub(super) solver: fluid::Solver,
+    /// Fixed walls, corner by corner.
+    walls: Vec<Vec<Vector2<f64>>>,
+    /// What is odd about the scene, and does not hinder a run.
+    pub(super) warnings: Vec<String>,
+}
 
-/// The solver of a scene for an interface with this number of modes, and the fixed walls.
-pub(super) fn solver(scene: &Scene, modes: usize) -> Result<(fluid::Solver, Walls), Error> {
+/// The solver of a scene for an interface with this number of modes.
+pub(super) fn solver(scene: &Scene, modes: usize) -> Result<SetUp, Error> {
     let (numbers, geometry) = conversion::fluid(scene)?;
     let beam = scene.modes();
     within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
@@ -97,7 +105,9 @@ pub(super) fn solver(scene: &Scene, modes: usize) -> Result<(fluid::Solver, Wall
     within("level gauges", geometry.gauges.len(), GAUGES, "; remove some of fluid.gauge")?;
     within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;
     let walls = geometry.fixed_walls.clone();
-    Ok((fluid::Solver::new(numbers, geometry)?, walls))
+    let solver = fluid::Solver::new(numbers, geometry)?;
+    let warnings = instruments::judge(scene, &solver)?;
+    Ok(SetUp { solver, walls, warnings })
 }
 
 fn within(what: &'static str, got: usize, limit: usize, hint: &'static str) -> Result<(), Error> {
