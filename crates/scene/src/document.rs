@@ -47,8 +47,10 @@ pub fn from_toml<T: DeserializeOwned + Serialize>(
         let all: Vec<String> = overrides.iter().map(|(key, value)| format!("{key}={value}")).collect();
         Error::Override { text: shortened(all.join("; ")), reason }
     };
-    let changed: Result<T, toml::de::Error> = root.clone().try_into();
-    let document = changed.map_err(|error| refuse(format!("{}{}", error.message(), hint(error.message()))))?;
+    // As text again: what is read from a text says where it is wrong, and takes lists as the file's own are taken.
+    let text = toml::to_string(&root).map_err(|error| refuse(error.to_string()))?;
+    let document: T =
+        toml::from_str(&text).map_err(|error| refuse(format!("{}{}", keyed(&text, &error), hint(error.message()))))?;
     match lists::surplus(&root, &document) {
         Some(list) => Err(refuse(too_long(&list))),
         None => Ok(document),
@@ -73,12 +75,15 @@ fn shortened(text: String) -> String {
 }
 
 fn parse_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
-    let place = error.span();
-    let line = place.as_ref().map_or(0, |place| line(text, place.start));
-    let path = place.map_or_else(Vec::new, |place| lists::path_at(text, &place));
+    let line = error.span().map_or(0, |place| line(text, place.start));
+    Error::Parse { name: name.to_string(), line, hint: hint(error.message()), message: keyed(text, error) }
+}
+
+/// What the parser said, after the key of the value that it said it of.
+fn keyed(text: &str, error: &toml::de::Error) -> String {
+    let path = error.span().map_or_else(Vec::new, |place| lists::path_at(text, &place));
     let key = if path.is_empty() { String::new() } else { format!("{}: ", lists::shown(&path)) };
-    let message = error.message();
-    Error::Parse { name: name.to_string(), line, hint: hint(message), message: format!("{key}{message}") }
+    format!("{key}{}", error.message())
 }
 
 /// The known key nearest to an unknown one, from an error text that lists the known ones in backquotes.

@@ -264,7 +264,7 @@ impl Stepper {
             self.memory.method = Method::IqnIls;
             self.memory.accelerator = Some(Accelerator::IqnIls(IqnIls::new(self.relaxation, self.reused_steps)));
         } else if newton.needs_jacobian() {
-            newton.set_jacobian(system.jacobian()?);
+            newton.set_jacobian(system.jacobian(time)?);
         }
         Ok(())
     }
@@ -274,7 +274,7 @@ impl Stepper {
         if self.names.is_empty() || !gives_derivatives(system) {
             return Ok(());
         }
-        let eigenvalues = system.jacobian()?.complex_eigenvalues();
+        let eigenvalues = system.jacobian(time)?.complex_eigenvalues();
         let radius = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
         if radius > 1.0 && self.memory.amplification <= 1.0 {
             self.warnings.push(format!("at t = {time} s {}", amplified(radius)));

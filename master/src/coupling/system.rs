@@ -43,7 +43,7 @@ pub(super) struct Node {
     pub(super) sources: Vec<Source>,
     staged: Vec<f64>,
     pub(super) outputs: Vec<u32>,
-    names: Vec<String>,
+    pub(super) names: Vec<String>,
     values: Vec<f64>,
     /// Wall-clock time spent in steps [s].
     seconds: f64,

@@ -15,11 +15,17 @@ struct Toy {
     saved: Option<Vec<f64>>,
     inputs: Vec<f64>,
     outputs: Vec<f64>,
+    /// What every directional derivative is.
+    sensitivity: f64,
     rule: Rule,
 }
 
 impl Toy {
     fn boxed(name: &str, inputs: &[&str], outputs: &[&str], state: Vec<f64>, rule: Rule) -> Box<dyn Participant> {
+        Box::new(Self::new(name, inputs, outputs, state, rule))
+    }
+
+    fn new(name: &str, inputs: &[&str], outputs: &[&str], state: Vec<f64>, rule: Rule) -> Self {
         let variable = |causality, first: u32| {
             move |(i, name): (usize, &&str)| Variable {
                 name: (*name).to_string(),
@@ -32,7 +38,7 @@ impl Toy {
         };
         let ins = inputs.iter().enumerate().map(variable(Causality::Input, 0));
         let variables = ins.chain(outputs.iter().enumerate().map(variable(Causality::Output, 100))).collect();
-        Box::new(Self {
+        Self {
             name: name.to_string(),
             description: Description {
                 variables,
@@ -45,8 +51,9 @@ impl Toy {
             saved: None,
             inputs: vec![0.0; inputs.len()],
             outputs: vec![0.0; outputs.len()],
+            sensitivity: 0.0,
             rule,
-        })
+        }
     }
 }
 
@@ -113,8 +120,9 @@ impl Participant for Toy {
         _: &[u32],
         _: &[u32],
         _: &[f64],
-        _: &mut [f64],
+        sensitivity: &mut [f64],
     ) -> Result<(), participant::Error> {
+        sensitivity.fill(self.sensitivity);
         Ok(())
     }
     fn terminate(&mut self) -> Result<(), participant::Error> {
@@ -291,6 +299,15 @@ fn infinity_stops_with_its_name() {
     assert_eq!(error.to_string(), "gas: variable 'p' is inf at t = 0.01 s");
     assert_eq!(system.read("gas", "p", 0.01).unwrap_err().to_string(), "gas: variable 'p' is inf at t = 0.01 s");
     assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 2, "names and the start");
+}
+
+#[test]
+fn an_infinite_derivative_stops_with_its_name() {
+    let rule: Rule = Box::new(|_, _, _| Ok(vec![0.0; 3]));
+    let toy = Toy::new("springs", &["q1", "q2", "q3"], &["v1", "v2", "v3"], vec![], rule);
+    let broken = Box::new(Toy { sensitivity: f64::INFINITY, ..toy });
+    let error = connect(vec![broken, water(1.0)]).jacobian(0.5).unwrap_err();
+    assert_eq!(error.to_string(), "springs: variable 'derivative of v1' is inf at t = 0.5 s");
 }
 
 #[test]
