@@ -42,6 +42,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<PathBuf, Failure> {
     if names.is_empty() {
         return Err(format!("the tables have no variable in common; {}", offer(&sources)).into());
     }
+    names.iter().try_for_each(|name| same_unit(&sources, name))?;
     let charts: Vec<Chart> =
         names.iter().filter(|name| varies(&sources, name)).map(|name| chart(&sources, name)).collect();
     let body = html! {
@@ -98,6 +99,21 @@ fn offer(sources: &[Source]) -> String {
     sources.iter().map(known).collect::<Vec<_>>().join("; ")
 }
 
+/// Refuses a variable that two tables have in different units.
+fn same_unit(sources: &[Source], name: &str) -> Result<(), Failure> {
+    let mut all = columns(sources, name);
+    let Some((first, reference)) = all.next() else { return Ok(()) };
+    match all.find(|(_, column)| column.unit != reference.unit) {
+        None => Ok(()),
+        Some((other, column)) => Err(format!(
+            "variable '{name}': [{}] in {}, but [{}] in {}: expected one unit; convert one of the tables, or leave the \
+             variable out with --variables",
+            reference.unit, first.label, column.unit, other.label
+        )
+        .into()),
+    }
+}
+
 fn varies(sources: &[Source], name: &str) -> bool {
     let mut values = columns(sources, name).flat_map(|(_, column)| &column.values);
     let first = values.next();
@@ -130,16 +146,22 @@ fn differences(sources: &[Source], names: &[String]) -> Markup {
             let points: Vec<(f64, f64)> = source.series.points(column).collect();
             let other = |time: f64| interpolate(&points, time);
             let pairs = first.series.points(reference).filter_map(|(time, value)| Some(other(time)? - value));
-            let differences: Vec<f64> = pairs.collect();
-            let count = differences.len().max(1) as f64;
-            let square = differences.iter().map(|it| it * it).sum::<f64>();
-            let largest = differences.iter().fold(0.0_f64, |most, it| most.max(it.abs()));
+            let numbers = measures(&pairs.collect::<Vec<f64>>());
             let unit = reference.unit.clone();
-            let numbers = [Short(largest).to_string(), Short((square / count).sqrt()).to_string()];
             rows.push([name.clone(), source.label.clone()].into_iter().chain(numbers).chain([unit]).collect());
         }
     }
     html::table(&["variable", "table", "largest difference", "root mean square", "unit"], &rows)
+}
+
+/// Largest and root-mean-square size of some differences, in words; there are none where the times do not overlap.
+fn measures(differences: &[f64]) -> [String; 2] {
+    if differences.is_empty() {
+        return ["no time in common", "-"].map(str::to_string);
+    }
+    let square = differences.iter().map(|it| it * it).sum::<f64>();
+    let largest = differences.iter().fold(0.0_f64, |most, it| most.max(it.abs()));
+    [largest, (square / differences.len() as f64).sqrt()].map(|number| Short(number).to_string())
 }
 
 #[cfg(test)]
@@ -164,5 +186,32 @@ mod tests {
         arguments.variables = vec!["a.y".to_string()];
         let text = compare(&arguments).unwrap_err().to_string();
         assert!(text.contains("'a.y'") && text.contains("two has a.x, b.z"), "{text}");
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let pair = |one: &str, two: &str, variables: &[&str]| {
+            let runs = [("one", one), ("two", two)].map(|(name, text)| {
+                let path = folder.path().join(format!("{name}.csv"));
+                std::fs::write(&path, text).unwrap();
+                path
+            });
+            let variables = variables.iter().map(ToString::to_string).collect();
+            let arguments = CompareArguments { runs: runs.to_vec(), variables, out: folder.path().join("page.html") };
+            compare(&arguments).map(|path| std::fs::read_to_string(path).unwrap()).map_err(|error| error.to_string())
+        };
+        let metres = "time [s],a.x [m],a.y [m]\n0,0,1\n1,10,2\n";
+        let millimetres = "time [s],a.x [mm],a.y [m]\n0,0,1\n1,10000,2\n";
+        let text = pair(metres, millimetres, &[]).unwrap_err();
+        assert!(text.contains("'a.x': [m] in one, but [mm] in two"), "{text}");
+        assert!(pair(metres, millimetres, &["a.y"]).is_ok(), "the other variable has one unit");
+        let text = pair(metres, "time [s],a.x [m]\n1,10\n0,0\n", &[]).unwrap_err();
+        assert!(text.contains("two.csv: row 2: time 0 s after 1 s"), "{text}");
+        let text = pair(metres, "time [ms],a.x [m]\n0,0\n1000,10\n", &[]).unwrap_err();
+        assert!(text.contains("two.csv: `time [ms]`: expected times in [s]"), "{text}");
+        // Times without overlap have no difference, which is not a difference of 0.
+        let page = pair(metres, "time [s],a.x [m]\n5,3\n6,4\n", &[]).unwrap();
+        assert!(page.contains("<td>no time in common</td>"));
     }
 }

@@ -23,6 +23,7 @@ pub enum Reference {
 /// The reference of a check; none when it has neither points nor a file.
 pub fn reference(check: &Check, folder: &Path) -> Result<Option<Reference>, String> {
     if !check.points.is_empty() {
+        in_order(check.points.iter().map(|point| point[0]), "points")?;
         return Ok(Some(Reference::Curve(check.points.iter().map(|point| (point[0], point[1])).collect())));
     }
     if check.file.is_empty() {
@@ -33,12 +34,28 @@ pub fn reference(check: &Check, folder: &Path) -> Result<Option<Reference>, Stri
         return Err(format!("`columns` has {} names, expected {wanted}", check.columns.len()));
     }
     let table = columns(&folder.join(&check.file), &check.columns)?;
+    in_order(table[0].iter().copied(), &check.file)?;
     let rows = 0..table[0].len();
     Ok(Some(if wanted == 4 {
         Reference::Band(rows.map(|i| [table[0][i], table[1][i], table[2][i], table[3][i]]).collect())
     } else {
         Reference::Curve(rows.map(|i| (table[0][i], table[1][i])).collect())
     }))
+}
+
+/// Refuses a reference whose times fall: between them nothing could be looked up.
+fn in_order(times: impl Iterator<Item = f64>, name: &str) -> Result<(), String> {
+    let mut last = f64::NEG_INFINITY;
+    for (row, time) in times.enumerate() {
+        if !time.is_finite() || time < last {
+            return Err(format!(
+                "{name}: time {time} in row {}: expected times that do not fall, here {last}",
+                row + 1
+            ));
+        }
+        last = time;
+    }
+    Ok(())
 }
 
 /// How the gaps at the points of a reference curve become one number.

@@ -34,12 +34,17 @@ impl Series {
     /// Reads a table as results.csv is written: times first, names and units in the header.
     ///
     /// # Errors
-    /// A file that cannot be read, a header without units, or an entry that is no number.
+    /// A file that cannot be read, a header without units, times in another unit than seconds or not in their order, or
+    /// an entry that is no number.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let wrong = |reason: &dyn ToString| Error::new(path, reason.to_string());
         let mut reader = csv::Reader::from_path(path).map_err(|error| wrong(&error))?;
         let mut series = Self::default();
-        for header in reader.headers().map_err(|error| wrong(&error))?.iter().skip(1) {
+        let headers = reader.headers().map_err(|error| wrong(&error))?;
+        if let Some(first) = headers.get(0).filter(|first| first.contains(" [") && !first.ends_with(" [s]")) {
+            return Err(wrong(&format!("`{first}`: expected times in [s]")));
+        }
+        for header in headers.iter().skip(1) {
             let parts = header.strip_suffix(']').and_then(|text| text.rsplit_once(" ["));
             let (name, unit) = parts.ok_or_else(|| wrong(&format!("`{header}`: expected `name [unit]`")))?;
             series.columns.push(Column { name: name.to_string(), unit: unit.to_string(), values: Vec::new() });
@@ -48,7 +53,12 @@ impl Series {
             let record = record.map_err(|error| wrong(&error))?;
             let numbers: Result<Vec<f64>, _> = record.iter().map(str::parse).collect();
             let numbers = numbers.map_err(|error| wrong(&format!("row {}: {error}", row + 1)))?;
-            series.push(numbers[0], &numbers[1..]);
+            let (time, last) = (numbers[0], series.times.last().copied().unwrap_or(f64::NEG_INFINITY));
+            if !time.is_finite() || time < last {
+                let after = if row > 0 { format!(" after {last} s") } else { String::new() };
+                return Err(wrong(&format!("row {}: time {time} s{after}: expected times that do not fall", row + 1)));
+            }
+            series.push(time, &numbers[1..]);
         }
         Ok(series)
     }
