@@ -5,7 +5,7 @@ use crate::checkpoint::{Checkpoint, Schedule};
 use crate::coupling::{self, Connection, Parameters, Stepper, System};
 use crate::participant::{self, Kind, Participant, Value};
 use crate::progress::Progress;
-use crate::record::{self, CouplingSummary, IterationCounts, IterationWriter, ResultWriter, Series, Status};
+use crate::record::{self, CouplingSummary, Grid, IterationCounts, IterationWriter, ResultWriter, Series, Status};
 use crate::stages::Stages;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -92,14 +92,14 @@ pub fn run(
 ) -> Result<Outcome, Error> {
     let begin = Instant::now();
     let mut system = prepare(case, participants)?;
-    let parameters = parameters(case);
-    let steps = coupling::steps_between(case.start, case.run.end, case.run.communication_step);
-    system.initialise(case.start, case.start + steps as f64 * case.run.communication_step)?;
+    let parameters = parameters(case, &system);
+    system.initialise(case.start, case.run.end)?;
     let mut run = match from {
         None => Run::begin(case, system, &parameters, folder, schedule, begin)?,
         Some(checkpoint) => Run::resume(case, system, &parameters, folder, schedule, begin, checkpoint)?,
     };
     run.miss_variables(case, progress);
+    run.say_of_step(case, &parameters, progress);
     let result = run.steps(interrupted, progress);
     let (status, error) = match result {
         Ok(status) => (status, None),
@@ -138,11 +138,11 @@ impl Run {
         schedule: Schedule,
         begin: Instant,
     ) -> Result<Self, Error> {
-        let interval = case.output.record_interval;
+        let grid = Grid { start: case.start, interval: case.output.record_interval };
         Ok(Self {
             stepper: Stepper::new(parameters, &system)?,
             iterations: IterationWriter::create(&folder.join(ITERATIONS), &system.iterated_names())?,
-            results: ResultWriter::create(&folder.join(RESULTS), &system, &case.exclude, interval)?,
+            results: ResultWriter::create(&folder.join(RESULTS), &system, &case.exclude, grid)?,
             step_limit: case.step_limit(),
             counts: IterationCounts::default(),
             stages: Stages::default(),
@@ -168,11 +168,11 @@ impl Run {
         stepper.recall(from.memory);
         // Said already, and among the warnings of the checkpoint.
         stepper.take_warnings();
-        let interval = case.output.record_interval;
+        let grid = Grid { start: case.start, interval: case.output.record_interval };
         Ok(Self {
             stepper,
             iterations: IterationWriter::resume(&folder.join(ITERATIONS), from.iterations)?,
-            results: ResultWriter::resume(&folder.join(RESULTS), &system, &case.exclude, interval, from.results)?,
+            results: ResultWriter::resume(&folder.join(RESULTS), &system, &case.exclude, grid, from.results)?,
             step_limit: case.step_limit(),
             counts: from.counts,
             stages: from.stages,
@@ -187,16 +187,34 @@ impl Run {
     /// Checks of variables that no participant gives would be noticed at the end only.
     fn miss_variables(&mut self, case: &Case, progress: &Progress) {
         let columns = &self.results.series().columns;
-        for check in case.check.iter().filter(|check| !check.variable.is_empty()) {
-            if columns.iter().any(|column| column.name == check.variable) {
-                continue;
-            }
+        let known = |name: &str| columns.iter().any(|column| column.name == name);
+        let missing = case.check.iter().filter(|check| !check.variable.is_empty() && !known(&check.variable));
+        let warning = |check: &scene::Check| {
             let near = participant::nearest(&check.variable, columns.iter().map(|column| column.name.as_str()));
             let hint = near.map_or_else(String::new, |name| format!("; the nearest name is '{name}'"));
-            let warning = format!("check '{}': this run has no variable '{}'{hint}", check.name, check.variable);
-            if self.warnings.contains(&warning) {
-                continue;
-            }
+            format!("check '{}': this run has no variable '{}'{hint}", check.name, check.variable)
+        };
+        let warnings: Vec<String> = missing.map(warning).collect();
+        warnings.into_iter().for_each(|warning| self.warn(warning, progress));
+    }
+
+    /// Says that another step is taken than the one asked for.
+    fn say_of_step(&mut self, case: &Case, parameters: &Parameters, progress: &Progress) {
+        let (asked, step) = (case.run.communication_step, parameters.step);
+        let Some(name) = fixed_step(&self.system).filter(|_| step != asked).map(str::to_string) else { return };
+        let (start, end) = (case.start, case.run.end);
+        self.warn(
+            format!(
+                "run.end = {end}: no multiple of run.communication_step = {asked} s from the start at {start} s, and {name} \
+                 knows steps of one length only: the step is {step} s"
+            ),
+            progress,
+        );
+    }
+
+    /// A warning, unless it was given before.
+    fn warn(&mut self, warning: String, progress: &Progress) {
+        if !self.warnings.contains(&warning) {
             progress.warn(&warning);
             self.warnings.push(warning);
         }
@@ -307,14 +325,20 @@ impl Run {
     }
 }
 
-fn parameters(case: &Case) -> Parameters {
+/// A participant whose steps must all have the same length.
+fn fixed_step(system: &System) -> Option<&str> {
+    system.descriptions().find(|(_, description)| !description.variable_step).map(|(name, _)| name)
+}
+
+fn parameters(case: &Case, system: &System) -> Parameters {
+    let (start, end, asked) = (case.start, case.run.end, case.run.communication_step);
     let connections = case.connection.iter();
     let tolerances = connections.filter_map(|link| Some((link.from.clone(), link.tolerance_absolute?))).collect();
     Parameters {
         coupling: case.coupling.clone(),
-        start: case.start,
-        end: case.run.end,
-        step: case.run.communication_step,
+        start,
+        end,
+        step: if fixed_step(system).is_some() { coupling::even_step(start, end, asked) } else { asked },
         tolerances,
     }
 }

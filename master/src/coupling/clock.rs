@@ -1,4 +1,5 @@
-//! Communication points. Time is start + n H with n a whole number of ticks of 2^-k, never a running sum.
+//! Communication points. Time is start + n H with n a whole number of ticks of 2^-k, never a running sum; the last step
+//! is shorter than H where the end is no multiple of it.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +14,7 @@ const TICKS: u32 = 10;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Clock {
     start: f64,
+    end: f64,
     step: f64,
     steps: u64,
     finest: u32,
@@ -25,22 +27,37 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// From `start` to the first multiple of `step` at or after `end`; steps may be divided down to `smallest`
-    /// (all in seconds, step and smallest positive).
+    /// From `start` to `end` in steps of `step`, the last of which may be shorter; steps may be divided down to
+    /// `smallest` (all in seconds, step and smallest positive).
     pub fn new(start: f64, end: f64, step: f64, smallest: f64) -> Self {
         let steps = steps_between(start, end, step);
         let finest = (step / smallest).max(1.0).log2().floor().min(30.0) as u32;
-        Self { start, step, steps, finest, tick: 0, level: 0, streak: 0, longest: f64::INFINITY }
+        Self { start, end, step, steps, finest, tick: 0, level: 0, streak: 0, longest: f64::INFINITY }
     }
 
     /// Current time \[s\].
     pub fn time(&self) -> f64 {
-        self.start + self.step * (self.tick as f64 / self.parts() as f64)
+        if self.finished() {
+            return self.end;
+        }
+        let (point, part) = (self.tick / self.parts(), self.tick % self.parts());
+        if point + 1 < self.steps {
+            return self.start + self.step * (self.tick as f64 / self.parts() as f64);
+        }
+        self.start + self.step * point as f64 + self.interval() * (part as f64 / self.parts() as f64)
     }
 
     /// Duration of the next step \[s\].
     pub fn duration(&self) -> f64 {
-        self.step * (self.next() as f64 / self.parts() as f64)
+        self.interval() * (self.next() as f64 / self.parts() as f64)
+    }
+
+    /// Distance of the communication points on both sides \[s\]: the step, or what is left for the last one.
+    fn interval(&self) -> f64 {
+        let last = self.steps.saturating_sub(1);
+        let left = self.end - (self.start + self.step * last as f64);
+        let shorter = self.tick / self.parts() >= last && (left - self.step).abs() > SAME * self.step;
+        if shorter { left } else { self.step }
     }
 
     /// Whether the end is reached.
@@ -92,15 +109,28 @@ impl Clock {
     fn next(&self) -> u64 {
         let left = self.parts() - self.tick % self.parts();
         let halved = self.parts() >> self.level;
-        let wanted = (self.longest / self.step * self.parts() as f64 * (1.0 + 1e-12)) as u64;
-        let most = wanted.min(halved).max(1 << TICKS);
+        let interval = self.interval();
+        let wanted = (self.longest / interval * self.parts() as f64 * (1.0 + 1e-12)) as u64;
+        // Parts of a last step that is shorter are no smaller than those of the others.
+        let least = ((1 << TICKS) as f64 * self.step / interval).ceil() as u64;
+        let most = wanted.min(halved).max(least);
         left / left.div_ceil(most)
     }
 }
 
-/// Communication steps of `step` from `start` up to the first at or after `end` (all in seconds).
-pub fn steps_between(start: f64, end: f64, step: f64) -> u64 {
-    ((end - start) / step - 1e-6).ceil().max(0.0) as u64
+/// Share of a step up to which the end counts as a multiple of it: rounding, and ends written with few digits.
+const SAME: f64 = 1e-6;
+
+/// Communication steps of `step` from `start` to `end`, the last of which may be shorter (all in seconds).
+fn steps_between(start: f64, end: f64, step: f64) -> u64 {
+    ((end - start) / step - SAME).ceil().max(0.0) as u64
+}
+
+/// The step that divides a run of FMUs that know one step only: `step` or a little less, so that `end` is reached.
+pub fn even_step(start: f64, end: f64, step: f64) -> f64 {
+    let steps = steps_between(start, end, step).max(1) as f64;
+    let even = (end - start) / steps;
+    if (even - step).abs() * steps <= SAME * step { step } else { even }
 }
 
 #[cfg(test)]
@@ -163,8 +193,31 @@ mod tests {
     }
 
     #[test]
-    fn an_end_between_points_is_passed() {
-        assert_eq!(Clock::new(0.0, 0.25, 0.1, 0.1).steps(), 3);
-        assert_eq!(Clock::new(0.0, 0.3, 0.1, 0.1).steps(), 3);
+    fn an_end_between_points_is_reached_by_a_shorter_step() {
+        let run = |start: f64, end: f64, step: f64, longest: f64| {
+            let mut clock = Clock::new(start, end, step, 0.05);
+            clock.limit(longest);
+            let mut times = vec![clock.time()];
+            while !clock.finished() {
+                let expected = clock.time() + clock.duration();
+                clock.advance();
+                assert!((clock.time() - expected).abs() < 1e-12, "{} {expected}", clock.time());
+                times.push(clock.time());
+            }
+            times
+        };
+        assert_eq!(run(0.0, 1.0, 0.3, 1.0), [0.0, 0.3, 0.6, 0.3 * 3.0, 1.0]);
+        assert_eq!(run(-0.5, 0.5, 0.4, 1.0), [-0.5, -0.5 + 0.4, -0.5 + 0.8, 0.5]);
+        assert_eq!(run(0.0, 0.3, 0.1, 1.0), [0.0, 0.1, 0.2, 0.3], "0.1 * 3 is above 0.3 by rounding");
+        // Divided by a limit: no part below the smallest of 0.05 s, in the last 0.1 s neither.
+        let divided = run(0.0, 0.5, 0.4, 0.06);
+        assert_eq!((divided.len(), divided.last()), (1 + 7 + 2, Some(&0.5)));
+        assert_eq!(run(0.0, 0.45, 0.4, 1e-9).len(), 1 + 8 + 1);
+    }
+
+    #[test]
+    fn a_run_is_divided_evenly() {
+        assert_eq!((even_step(0.0, 1.0, 0.3), even_step(-1.0, 1.0, 0.5)), (0.25, 0.5));
+        assert_eq!(even_step(0.0, 0.3, 0.1), 0.1, "rounding is no reason for another step");
     }
 }

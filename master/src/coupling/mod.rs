@@ -20,7 +20,7 @@ mod tests;
 mod weights;
 
 pub use acceleration::{Accelerator, Aitken};
-pub use clock::{Clock, steps_between};
+pub use clock::{Clock, even_step};
 pub use convergence::{Residual, Stall, Tolerance};
 pub use error::Error;
 pub use iqn_ils::IqnIls;

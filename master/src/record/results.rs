@@ -19,23 +19,45 @@ pub struct ResultMark {
     next: u64,
 }
 
+/// The times at which rows are due: `start` + n `interval` \[s\]; with an interval of 0, every communication point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Start of the run \[s\].
+    pub start: f64,
+    /// Distance of two rows \[s\].
+    pub interval: f64,
+}
+
+impl Grid {
+    /// Number of the last row that is due at `time`, the first being 0.
+    fn passed(&self, time: f64) -> u64 {
+        let rounding = 4.0 * f64::EPSILON * time.abs().max(self.start.abs());
+        ((time - self.start + rounding) / self.interval * (1.0 + 1e-9)).floor().max(0.0) as u64
+    }
+
+    /// Whether row `number` is due at `time`.
+    fn due(&self, number: u64, time: f64) -> bool {
+        self.interval <= 0.0 || self.passed(time) >= number
+    }
+}
+
 /// Reads the outputs of a system, writes them and keeps them.
 pub struct ResultWriter {
     path: PathBuf,
     file: File,
     /// Recorded variables of each participant.
     variables: Vec<Vec<Variable>>,
-    interval: f64,
+    /// Start of the run and distance of the rows \[s\].
+    grid: Grid,
     next: u64,
     series: Series,
 }
 
 impl ResultWriter {
-    /// Opens the table for all numeric outputs of the system but those in `exclude` and stage times. A row is due
-    /// every `interval` seconds; 0 records every communication step.
-    pub fn create(path: &Path, system: &System, exclude: &[String], interval: f64) -> Result<Self, Error> {
+    /// Opens the table for all numeric outputs of the system but those in `exclude` and stage times.
+    pub fn create(path: &Path, system: &System, exclude: &[String], grid: Grid) -> Result<Self, Error> {
         let file = File::create(path).map_err(|error| Error::new(path, error))?;
-        let mut writer = Self::over(file, path, system, exclude, interval);
+        let mut writer = Self::over(file, path, system, exclude, grid);
         writer.header()?;
         Ok(writer)
     }
@@ -45,11 +67,11 @@ impl ResultWriter {
         path: &Path,
         system: &System,
         exclude: &[String],
-        interval: f64,
+        grid: Grid,
         mark: ResultMark,
     ) -> Result<Self, Error> {
         let file = super::reopen(path, mark.bytes)?;
-        let mut writer = Self::over(file, path, system, exclude, interval);
+        let mut writer = Self::over(file, path, system, exclude, grid);
         let written = Series::read(path)?;
         for (row, &time) in written.times.iter().enumerate() {
             let values: Vec<f64> = written.columns.iter().map(|column| column.values[row]).collect();
@@ -65,7 +87,7 @@ impl ResultWriter {
         Ok(ResultMark { bytes, next: self.next })
     }
 
-    fn over(file: File, path: &Path, system: &System, exclude: &[String], interval: f64) -> Self {
+    fn over(file: File, path: &Path, system: &System, exclude: &[String], grid: Grid) -> Self {
         let mut variables = Vec::new();
         let mut columns = Vec::new();
         for (participant, description) in system.descriptions() {
@@ -83,7 +105,7 @@ impl ResultWriter {
             variables.push(chosen);
         }
         let series = Series { times: Vec::new(), columns };
-        Self { path: path.to_path_buf(), file, variables, interval, next: 0, series }
+        Self { path: path.to_path_buf(), file, variables, grid, next: 0, series }
     }
 
     fn header(&mut self) -> Result<(), Error> {
@@ -98,12 +120,11 @@ impl ResultWriter {
 
     /// Records the outputs at `time` \[s\] when a row is due or `force` is set.
     pub fn record(&mut self, system: &mut System, time: f64, force: bool) -> Result<(), crate::run::Error> {
-        let due = self.interval <= 0.0 || time >= self.next as f64 * self.interval * (1.0 - 1e-9);
-        if !(due || force) || self.series.times.last() == Some(&time) {
+        if !(self.grid.due(self.next, time) || force) || self.series.times.last() == Some(&time) {
             return Ok(());
         }
-        if self.interval > 0.0 {
-            self.next = (time / self.interval * (1.0 + 1e-9)).floor() as u64 + 1;
+        if self.grid.interval > 0.0 {
+            self.next = self.grid.passed(time) + 1;
         }
         let values = read(system, &self.variables, time)?;
         self.series.push(time, &values);
@@ -160,6 +181,22 @@ fn read(system: &mut System, variables: &[Vec<Variable>], time: f64) -> Result<V
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_are_due_from_the_start_on_wherever_it_lies() {
+        for start in [-0.5, 0.0, 0.35, 1e6] {
+            let grid = Grid { start, interval: 0.1 };
+            let (mut next, mut rows) = (0, Vec::new());
+            for step in 0..=20 {
+                let time = start + 0.05 * f64::from(step);
+                if grid.due(next, time) {
+                    next = grid.passed(time) + 1;
+                    rows.push(step);
+                }
+            }
+            assert_eq!(rows, [0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20], "from {start}");
+        }
+    }
 
     #[test]
     fn numbers_read_back_exactly() {
