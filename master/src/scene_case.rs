@@ -117,10 +117,6 @@ fn coupling(scene: &Scene) -> Coupling {
     if coupling.method == Method::Auto && paper {
         coupling.method = Method::IqnIls;
     }
-    // With an extrapolated load a plain explicit exchange is stable up to a third of the mass ratio only.
-    if coupling.method == Method::Explicit && !passes_added_mass(scene) {
-        coupling.predictor_order = 0;
-    }
     coupling
 }
 
@@ -161,6 +157,14 @@ fn connections(scene: &Scene, freedoms: &[Ending]) -> Vec<Connection> {
     connections
 }
 
+/// Whether the water's load on a degree of freedom says something: it acts on a body whether that is free or held.
+fn is_loaded(scene: &Scene, freedom: &Ending) -> bool {
+    let Some(structure) = &scene.structure else { return false };
+    let wetted = !structure.wall.is_empty() || structure.beam.is_some();
+    let known = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=scene.modes()).map(mode));
+    wetted && known.into_iter().any(|known| known == *freedom)
+}
+
 /// Outputs that say nothing in this scene.
 fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
     let probes: usize =
@@ -175,10 +179,14 @@ fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
         names.push(format!("{FLUID}.load.a{}", row.motion));
         names.extend(all().map(|column| format!("{FLUID}.added_mass[{},{}]", number(&row), number(&column))));
     }
-    for freedom in all().filter(|freedom| !freedoms.contains(freedom)) {
+    for freedom in all() {
         let (motion, load) = variables(&freedom);
-        names.extend(motion.iter().map(|variable| format!("{STRUCTURE}.{variable}")));
-        names.push(format!("{FLUID}.{load}"));
+        if !freedoms.contains(&freedom) {
+            names.extend(motion.iter().map(|variable| format!("{STRUCTURE}.{variable}")));
+        }
+        if !is_loaded(scene, &freedom) {
+            names.push(format!("{FLUID}.{load}"));
+        }
     }
     if scene.structure.as_ref().is_none_or(|structure| structure.beam.is_none()) {
         names.extend(["middle", "tip"].map(|place| format!("{STRUCTURE}.deflection.{place}")));
@@ -235,7 +243,9 @@ mod tests {
         assert_eq!(case.fmu[1].parameters["scene_overrides"].as_str(), Some("fluid.spacing=0.02"));
         assert_eq!(case.fmu[1].parameters["threads"].as_integer(), Some(2));
         let excluded = |name: &str| case.exclude.iter().any(|known| known == name);
-        assert!(excluded("fluid.load.fx") && excluded("structure.motion.q[3]") && !excluded("fluid.load.q[2]"));
+        assert!(excluded("structure.motion.q[3]") && excluded("structure.motion.x") && !excluded("fluid.load.q[2]"));
+        // The body cannot move along X, but the water pushes it there all the same.
+        assert!(!excluded("fluid.load.fx") && excluded("fluid.load.q[3]"));
         assert!(excluded("fluid.probe.pressure[5]") && !excluded("fluid.probe.pressure[4]"));
         assert_eq!(case.labels["fluid.probe.pressure[3]"], "line, 2");
     }
@@ -246,6 +256,29 @@ mod tests {
         let dry = Scene { fluid: None, ..scene.clone() };
         let still = Scene { structure: None, ..scene };
         assert_eq!(case(&dry, &[], None, &places()).fmu.len(), 1);
-        assert!(case(&still, &[], None, &places()).connection.is_empty());
+        let still = case(&still, &[], None, &places());
+        assert!(still.connection.is_empty() && still.exclude.iter().any(|name| name == "fluid.load.fy"));
+    }
+
+    #[test]
+    fn a_body_that_is_held_has_its_loads_recorded() {
+        let mut scene = Scene::from_str(SCENE, "s.toml").unwrap();
+        let structure = scene.structure.as_mut().unwrap();
+        (structure.free, structure.beam) = (Vec::new(), None);
+        structure.wall = vec![scene::Wall { points: vec![[0.4, 0.2], [0.4, 0.3], [0.5, 0.2]], closed: true }];
+        let case = case(&scene, &[], None, &places());
+        let recorded = |load: &str| !case.exclude.iter().any(|name| *name == format!("fluid.load.{load}"));
+        assert_eq!((case.fmu.len(), case.connection.len()), (1, 0), "nothing moves");
+        assert!(["fx", "fy", "mz"].iter().all(|load| recorded(load)) && !recorded("q[1]"));
+    }
+
+    #[test]
+    fn an_explicit_exchange_extrapolates_only_when_asked() {
+        let order = |coupling: &str| {
+            let scene = Scene::from_str(&format!("{SCENE}[coupling]\nmethod = 'explicit'\n{coupling}"), "s.toml");
+            case(&scene.unwrap(), &[], None, &places()).coupling.predictor_order
+        };
+        assert_eq!((order("added_mass = true"), order("added_mass = false")), (None, None));
+        assert_eq!(order("added_mass = false\npredictor_order = 1"), Some(1));
     }
 }

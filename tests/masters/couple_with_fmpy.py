@@ -41,15 +41,15 @@ COMMON = {
     "coupling.tolerance_absolute": ABSOLUTE,
     "coupling.maximum_iterations": MAXIMUM_ITERATIONS,
     "coupling.reused_steps": REUSED_STEPS,
-    "coupling.predictor_order": ORDER,
     # No step is halved, neither here nor there.
     "coupling.smallest_step": STEP,
 }
 METHODS = {
+    # An exchange without iteration does not extrapolate unless it is asked to.
     "explicit": {"structure.beam.density": 25000.0},
-    "constant": {"structure.beam.density": 25000.0},
-    "aitken": {},
-    "iqn_ils": {},
+    "constant": {"structure.beam.density": 25000.0, "coupling.predictor_order": ORDER},
+    "aitken": {"coupling.predictor_order": ORDER},
+    "iqn_ils": {"coupling.predictor_order": ORDER},
 }
 
 
@@ -279,7 +279,8 @@ def run_bundled(plimsoll, overrides, folder):
     for key, value in overrides.items():
         command += ["--set", f"{key}={value}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
+    # 3: at its end, but outside a limit of the scene, which this set-up is not that of.
+    if done.returncode not in (0, 3):
         sys.exit(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
     with open(folder / "results.csv", newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)

@@ -166,7 +166,7 @@ impl Coupling {
         }
         check.within("coupling.maximum_iterations", self.maximum_iterations as f64, 1.0, 1e4)?;
         check.within("coupling.smallest_step", self.smallest_step, 0.0, communication_step)?;
-        check.within("coupling.predictor_order", self.predictor_order as f64, 0.0, 2.0)?;
+        check.within("coupling.predictor_order", self.predictor_order.unwrap_or(0) as f64, 0.0, 2.0)?;
         check.within("coupling.reused_steps", self.reused_steps as f64, 0.0, 100.0)
     }
 }

@@ -117,9 +117,10 @@ impl Stepper {
         let explicit = coupling.method == Method::Auto && !names.is_empty();
         let warnings = if explicit { warn_of_states(system).into_iter().collect() } else { Vec::new() };
         let smallest = smallest_step(parameters, system);
+        let order = coupling.predictor_order.unwrap_or(usize::from(accelerator.is_some()));
         let memory = Memory {
             clock: Clock::new(parameters.start, parameters.end, parameters.step, smallest),
-            predictor: Predictor::new(coupling.predictor_order, system.produced()),
+            predictor: Predictor::new(order, system.produced()),
             accelerator,
             method,
             amplification: 0.0,

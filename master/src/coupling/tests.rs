@@ -151,6 +151,10 @@ fn springs(limit: f64) -> Box<dyn Participant> {
 
 /// Water that answers the mean acceleration of a step with -A a; A has the largest eigenvalue `ratio`.
 fn water(ratio: f64) -> Box<dyn Participant> {
+    Box::new(water_toy(ratio))
+}
+
+fn water_toy(ratio: f64) -> Toy {
     let rule: Rule = Box::new(move |state, velocity, h| {
         let a: Vec<f64> = velocity.iter().zip(state.iter()).map(|(new, old)| (new - old) / h).collect();
         *state = velocity.to_vec();
@@ -159,7 +163,7 @@ fn water(ratio: f64) -> Box<dyn Participant> {
         let rows = [[4.0, 2.0, 0.0], [2.0, 4.0, 2.0], [0.0, 2.0, 4.0]];
         Ok(rows.iter().map(|row| -scale * row.iter().zip(&a).map(|(r, a)| r * a).sum::<f64>()).collect())
     });
-    Toy::boxed("water", &["v1", "v2", "v3"], &["q1", "q2", "q3"], vec![0.0; 3], rule)
+    Toy::new("water", &["v1", "v2", "v3"], &["q1", "q2", "q3"], vec![0.0; 3], rule)
 }
 
 fn connect(participants: Vec<Box<dyn Participant>>) -> System {
@@ -183,7 +187,7 @@ fn parameters(method: Method, relaxation: f64) -> Parameters {
         tolerance_absolute: 1e-10,
         maximum_iterations: 100,
         smallest_step: 0.001,
-        predictor_order: 0,
+        predictor_order: Some(0),
         reused_steps: 0,
     };
     Parameters { coupling, start: 0.0, end: 0.2, step: 0.01, tolerances: Vec::new() }
@@ -270,6 +274,31 @@ fn explicit_makes_one_pass_and_is_stable_for_light_water() {
     let mut system = connect(vec![springs(1.0), water(0.1)]);
     let reports = run(&parameters(Method::Explicit, 1.0), &mut system).unwrap();
     assert!(reports.len() == 20 && reports.iter().all(|report| report.iterations == 1));
+}
+
+/// Largest velocity at the end of 0.5 s with water of this mass ratio that saves no states.
+fn largest_velocity(method: Method, order: Option<usize>, ratio: f64) -> f64 {
+    let mut stateless = water_toy(ratio);
+    stateless.description.saves_states = false;
+    let mut system = connect(vec![springs(1.0), Box::new(stateless)]);
+    let mut parameters = Parameters { end: 0.5, ..parameters(method, 1.0) };
+    parameters.coupling.predictor_order = order;
+    run(&parameters, &mut system).unwrap();
+    let mut velocities = [0.0; 3];
+    system.participants().next().unwrap().get_reals(&[100, 101, 102], &mut velocities).unwrap();
+    velocities.iter().fold(0.0, |most: f64, velocity| most.max(velocity.abs()))
+}
+
+#[test]
+fn an_exchange_without_iteration_extrapolates_only_when_asked() {
+    // It multiplies errors by the mass ratio r, and with a load that is extrapolated linearly by r + sqrt(r^2 + r): 0.9
+    // and 2.2, in 50 steps. The springs swing with 0.2 m/s.
+    for method in [Method::Explicit, Method::Auto] {
+        let kept = largest_velocity(method, None, 0.9);
+        assert!(kept < 0.3, "{method:?}: {kept} m/s");
+        assert!(largest_velocity(method, Some(1), 0.9) > 1e3, "{method:?}: it was asked to");
+        assert_eq!(kept, largest_velocity(method, Some(0), 0.9), "{method:?}");
+    }
 }
 
 #[test]
