@@ -1,5 +1,6 @@
 //! The case file: which FMUs run, with which parameters, how they are connected and coupled, what is recorded.
 
+use crate::watch::Reference;
 use scene::{Check, Coupling, Output, Run};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -38,6 +39,12 @@ pub struct Case {
     /// Names for plots, by `fmu.variable`.
     #[serde(default)]
     pub labels: BTreeMap<String, String>,
+    /// What the run is watched for.
+    #[serde(default)]
+    pub watch: scene::Watch,
+    /// What it is measured by; known of a scene alone.
+    #[serde(skip)]
+    pub reference: Option<Reference>,
     /// Figures computed of the result.
     #[serde(default)]
     pub check: Vec<Check>,
@@ -100,6 +107,7 @@ impl Case {
         self.run.validate(name, self.start)?;
         self.output.validate(name)?;
         self.coupling.validate(name, self.run.communication_step)?;
+        self.watch.validate(name)?;
         scene::validate_checks(&self.check, name)?;
         if self.fmu.is_empty() {
             return refuse("fmu", "[]".to_string(), "at least one [[fmu]]");

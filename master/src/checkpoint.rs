@@ -3,6 +3,7 @@
 use crate::coupling::Memory;
 use crate::record::{Error, IterationCounts, ResultMark};
 use crate::stages::Stages;
+use crate::watch;
 use components::frames::write_lasting;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Name of the file in a run's folder.
 pub const FILE_NAME: &str = "checkpoint.bin";
 /// First bytes of the file; the last ones count its format.
-const MAGIC: &[u8; 10] = b"PLIMSOLL-1";
+const MAGIC: &[u8; 10] = b"PLIMSOLL-2";
 
 /// Everything that a run carries from step to step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -34,6 +35,8 @@ pub struct Checkpoint {
     pub stages: Stages,
     /// Warnings so far.
     pub warnings: Vec<String>,
+    /// What the watch carries on.
+    pub watch: watch::Memory,
     /// Wall-clock time so far \[s\].
     pub wall: f64,
 }
@@ -141,8 +144,8 @@ mod tests {
             Checkpoint::read(&path, "").unwrap_err().to_string()
         };
         assert!(refused(b"").contains("no checkpoint of this version"));
-        assert!(refused(b"PLIMSOLL-1ab").contains("12 bytes only"));
-        assert!(refused(b"PLIMSOLL-1abcdrest").contains("the file is damaged"));
+        assert!(refused(b"PLIMSOLL-2ab").contains("12 bytes only"));
+        assert!(refused(b"PLIMSOLL-2abcdrest").contains("the file is damaged"));
         let mut empty = MAGIC.to_vec();
         empty.extend(crc32fast::hash(b"").to_le_bytes());
         assert!(refused(&empty).contains("begin anew"));

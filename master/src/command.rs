@@ -26,9 +26,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// What runs when nothing is asked.
 const DEFAULT_SCENE: &str = "dam_break_plate";
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 refused, or the run failed (standard error and summary.json say why); \
-    2 wrong arguments; 130 ended by the user or by a signal to terminate.";
+    2 wrong arguments; 3 the run reached its end but missed a limit, of a check or of the watch over energy, particles and \
+    speeds (standard error, and `missed` in summary.json); 130 ended by the user or by a signal to terminate.";
 /// Exit code of a run that the user ended (128 + SIGINT).
 const INTERRUPTED: u8 = 130;
+/// Exit code of a run that reached its end but missed a limit.
+const MISSED: u8 = 3;
 
 /// Water and structure, two FMUs, coupled implicitly.
 ///
@@ -47,7 +50,7 @@ enum Command {
     /// Writes into the folder: report.html (everything on one page), results.csv (time series), iterations.csv
     /// (coupling), summary.json and summary.md, plots/, frames/ (VTK for ParaView), log.txt, and what the run was made
     /// of: scene.toml and run.json. `plimsoll run FOLDER --out OTHER` repeats it to the bit. The exit code is 0 only
-    /// when the run reached its end.
+    /// when the run reached its end and kept its limits, those of its checks and those of [watch].
     Run(RunArguments),
     /// Make fluid.fmu and structure.fmu.
     Pack {

@@ -26,6 +26,8 @@ pub struct Facts {
     pub source: String,
     /// What differs from the source.
     pub differs: String,
+    /// What a user should know before the run.
+    pub warnings: Vec<String>,
 }
 
 impl Facts {
@@ -39,6 +41,7 @@ impl Facts {
             water: fluid.map(|fluid| (fluid.density, gravity)),
             source: scene.source.clone(),
             differs: scene.differs.clone(),
+            warnings: crate::warnings::of_scene(scene),
         }
     }
 }
@@ -107,7 +110,9 @@ impl Job {
         progress: &mut Progress,
     ) -> Result<(Summary, Outcome), run::Error> {
         let schedule = Schedule::new(&self.folder, self.case.output.checkpoint_interval, self.inputs.clone());
-        let outcome = run::run(&self.case, participants, &self.folder, schedule, from, interrupted, progress)?;
+        self.facts.warnings.iter().for_each(|warning| progress.warn(warning));
+        let mut outcome = run::run(&self.case, participants, &self.folder, schedule, from, interrupted, progress)?;
+        outcome.warnings.splice(0..0, self.facts.warnings.iter().cloned());
         progress.finish();
         let summary = self.summary(&outcome);
         summary.write(&self.folder.join("summary.json")).map_err(|error| match &outcome.error {
@@ -130,6 +135,8 @@ impl Job {
         let frames = self.folder.join("frames");
         let context =
             Context { series: &outcome.series, frames: &frames, folder: &self.references, water: self.facts.water };
+        let checks = checks::evaluate(&self.case.check, &context);
+        let outside = checks.iter().filter_map(|(name, check)| check.missed(name));
         Summary {
             scene: self.name.clone(),
             title: self.case.title.clone(),
@@ -143,7 +150,10 @@ impl Job {
             wall_seconds: outcome.wall,
             stages: outcome.stages.table(),
             coupling: outcome.coupling(&self.case),
-            checks: checks::evaluate(&self.case.check, &context),
+            energy_gain: outcome.gain,
+            warnings: outcome.warnings.clone(),
+            missed: outcome.findings.iter().cloned().chain(outside).collect(),
+            checks,
             version: env!("CARGO_PKG_VERSION").to_string(),
         }
     }
@@ -159,7 +169,7 @@ impl Job {
         record::write_whole(&path, text)?;
         let path = self.folder.join("report.html");
         let recipe = record::Recipe::read(&self.folder)?;
-        let page = report::run_page(summary, &about, recipe.as_ref(), &pictures, &outcome.warnings);
+        let page = report::run_page(summary, &about, recipe.as_ref(), &pictures);
         record::write_whole(&path, page)
     }
 }

@@ -23,3 +23,5 @@ pub mod say;
 pub mod scene_case;
 pub mod stages;
 pub mod target;
+pub mod warnings;
+pub mod watch;

@@ -78,6 +78,15 @@ impl Log {
         }
     }
 
+    /// Keeps a warning of the master itself in the file; whoever calls has told it.
+    pub fn note(&self, text: &str) {
+        let mut sink = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(file) = &mut sink.file {
+            // As with messages of participants, a full disk must not end the run.
+            let _ = writeln!(file, "plimsoll [{}] {}", Level::Warning.word(), text.trim_end());
+        }
+    }
+
     /// Takes the last warning or error, so that it can be quoted in the error it explains.
     pub fn take_problem(&self) -> Option<String> {
         self.sink.lock().unwrap_or_else(PoisonError::into_inner).last_problem.take()

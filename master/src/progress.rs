@@ -1,5 +1,6 @@
 //! How far a run is: a bar, lines of JSON, or nothing.
 
+use crate::log::Log;
 use crate::record::IterationCounts;
 use crate::tell;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -32,6 +33,8 @@ pub struct Progress {
     /// Where this process began: time \[s\], steps, and when.
     begin: (f64, u64, Instant),
     last: Instant,
+    /// Where warnings are kept.
+    log: Option<Log>,
 }
 
 impl Progress {
@@ -43,7 +46,13 @@ impl Progress {
             bar.set_style(style);
         }
         let now = Instant::now();
-        Self { style, bar, span: (start, end), begin: (start, 0, now), last: now }
+        Self { style, bar, span: (start, end), begin: (start, 0, now), last: now, log: None }
+    }
+
+    /// The same, with warnings kept in `log` too.
+    pub fn logged(mut self, log: &Log) -> Self {
+        self.log = Some(log.clone());
+        self
     }
 
     /// The run goes from `time` \[s\] on, with `steps` done before.
@@ -77,6 +86,9 @@ impl Progress {
 
     /// Shows a warning, above the bar if there is one.
     pub fn warn(&self, text: &str) {
+        if let Some(log) = &self.log {
+            log.note(text);
+        }
         match self.style {
             Style::Json => self.line(&json!({ "event": "warning", "text": text })),
             _ => self.bar.suspend(|| tell!("warning: {text}")),

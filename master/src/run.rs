@@ -7,6 +7,7 @@ use crate::participant::{self, Kind, Participant, Value};
 use crate::progress::Progress;
 use crate::record::{self, CouplingSummary, Grid, IterationCounts, IterationWriter, ResultWriter, Series, Status};
 use crate::stages::Stages;
+use crate::watch::{self, Watch};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -48,6 +49,10 @@ pub struct Outcome {
     pub stages: Stages,
     /// Warnings on the way.
     pub warnings: Vec<String>,
+    /// What the watch found; among the warnings too.
+    pub findings: Vec<String>,
+    /// Largest gain of energy that nothing supplied, over the energy of the run; none where it is not known.
+    pub gain: Option<f64>,
     /// Where the run stopped \[s\], from its start.
     pub simulated: f64,
     /// Wall-clock time \[s\].
@@ -123,6 +128,7 @@ struct Run {
     counts: IterationCounts,
     stages: Stages,
     warnings: Vec<String>,
+    watch: Watch,
     schedule: Schedule,
     begin: Instant,
     /// Wall-clock time before the checkpoint that this run goes on from \[s\].
@@ -147,6 +153,7 @@ impl Run {
             counts: IterationCounts::default(),
             stages: Stages::default(),
             warnings: Vec::new(),
+            watch: Watch::new(&case.watch, case.reference.as_ref(), &system, watch::Memory::default()),
             schedule,
             begin,
             earlier: 0.0,
@@ -177,6 +184,7 @@ impl Run {
             counts: from.counts,
             stages: from.stages,
             warnings: from.warnings,
+            watch: Watch::new(&case.watch, case.reference.as_ref(), &system, from.watch),
             schedule,
             begin,
             earlier: from.wall,
@@ -225,6 +233,7 @@ impl Run {
         // A run that goes on has its row, or stands between two communication points, where none is due.
         if self.counts.steps == 0 {
             self.results.record(&mut self.system, self.stepper.clock().time(), true)?;
+            self.look(progress)?;
         }
         while !self.stepper.clock().finished() {
             if interrupted.load(Ordering::Relaxed) {
@@ -246,12 +255,26 @@ impl Run {
             let report = result?;
             self.counts.add(&report);
             self.record()?;
+            self.look(progress)?;
             progress.update(self.stepper.clock().time(), &self.counts);
             if self.schedule.due() {
                 self.write_checkpoint(progress);
             }
         }
         Ok(Status::Complete)
+    }
+
+    /// What the watch finds at a communication point is told at once.
+    fn look(&mut self, progress: &Progress) -> Result<(), Error> {
+        let clock = self.stepper.clock();
+        if clock.point().is_none() && !clock.finished() {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let found = self.watch.look(&mut self.system, clock.time())?;
+        self.stages.recording += start.elapsed().as_secs_f64();
+        found.into_iter().for_each(|finding| self.warn(finding, progress));
+        Ok(())
     }
 
     /// A run goes on without its checkpoint, but the user must know.
@@ -284,6 +307,7 @@ impl Run {
             counts: self.counts.clone(),
             stages,
             warnings: self.warnings.clone(),
+            watch: self.watch.memory().clone(),
             wall: self.wall(),
         })
     }
@@ -320,6 +344,8 @@ impl Run {
             method: self.stepper.method(),
             stages: self.stages,
             warnings: self.warnings,
+            findings: self.watch.memory().findings(),
+            gain: self.watch.gain(),
             wall,
         }
     }

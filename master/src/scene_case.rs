@@ -2,6 +2,7 @@
 //! names, for the degrees of freedom that the scene has.
 
 use crate::case::{Case, Connection, Fmu};
+use crate::watch::Reference;
 use components::{GAUGES, MAXIMUM_MODES, PROBES, REGIONS};
 use scene::{Coupling, Freedom, Method, Scene, Scheme};
 use std::collections::BTreeMap;
@@ -53,6 +54,8 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
         step_limit,
         exclude: excluded(scene, &freedoms),
         labels: labels(scene),
+        watch: scene.watch.clone(),
+        reference: Some(Reference::of(scene)),
         check: scene.check.clone(),
     }
 }

@@ -84,7 +84,9 @@ def read_results(path):
 def run(program, out):
     values = {"fluid.spacing": SPACING, "run.end": END, "output.interval": INTERVAL}
     changes = [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
-    subprocess.run([program, "run", SCENE, *changes, "--quiet", "--out", out], check=True, timeout=300)
+    done = subprocess.run([program, "run", SCENE, *changes, "--quiet", "--out", out], check=False, timeout=300)
+    # 3: at its end, but outside a limit of the scene, which is changed here.
+    assert done.returncode in (0, 3), done.returncode
 
 
 def check_times(name, times):

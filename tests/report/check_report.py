@@ -25,7 +25,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         # A folder with a blank and a letter outside ASCII.
         out = Path(folder) / "Ergebnis für später"
-        subprocess.run([plimsoll, "run", "dam_break_front", "--quiet", "--out", out], check=True, capture_output=True)
+        done = subprocess.run([plimsoll, "run", "dam_break_front", "--quiet", "--out", out], check=False, capture_output=True)
+        # 3: at its end, but outside a limit.
+        assert done.returncode in (0, 3), done.stderr
         text, console = dump(chromium, out / "report.html")
         charts = len(re.findall(r'<div id="chart-\d+"', text))
         drawn = len(re.findall(r'<div id="chart-\d+" class="[^"]*js-plotly-plot', text))

@@ -30,6 +30,18 @@ fn beam_modes(beam: &Beam) -> Result<BeamModes, Error> {
     Ok(BeamModes::new(support, beam.length, beam.line_density(), beam.modes)?)
 }
 
+/// Angular frequencies of the modes of the beam in vacuo \[rad/s\]; none without a beam.
+///
+/// # Errors
+/// Modes that cannot be computed.
+pub fn beam_frequencies(scene: &Scene) -> Result<Vec<f64>, Error> {
+    let Some(beam) = scene.structure.as_ref().and_then(|structure| structure.beam.as_ref()) else {
+        return Ok(Vec::new());
+    };
+    let modes = beam_modes(beam)?;
+    Ok((0..beam.modes).map(|index| modes.frequency(index, beam.bending_stiffness())).collect())
+}
+
 /// Modal coordinates at the start, one per mode \[m sqrt(kg/m)\].
 pub fn initial_modes(scene: &Scene) -> Vec<f64> {
     let beam = scene.structure.as_ref().and_then(|structure| structure.beam.as_ref());

@@ -36,6 +36,9 @@ pub struct Scene {
     /// How the two are coupled.
     #[serde(default)]
     pub coupling: Coupling,
+    /// What a run is watched for.
+    #[serde(default)]
+    pub watch: Watch,
     /// Figures that the program computes of its own result.
     #[serde(default)]
     pub check: Vec<Check>,
@@ -75,6 +78,28 @@ pub struct Output {
 impl Default for Output {
     fn default() -> Self {
         Self { interval: 0.02, record_interval: 0.0, checkpoint_interval: 30.0, plot: Vec::new() }
+    }
+}
+
+/// What a run is watched for. What is found is a warning at once and counts as a limit that was missed. Energy and speed
+/// are watched in scenes; of the FMUs of a case nobody knows what drives them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Watch {
+    /// Share of the energy of the run by which water and structure may gain energy that nothing supplied (0 to 1e3); 0
+    /// does not look. The energy of the run is the largest kinetic energy so far, the water's potential energy at the
+    /// start above the lowest point of the scene, and the range of the structure's.
+    pub energy: f64,
+    /// Share of the particles that may leave the scene (0 to 1): 1 where water is meant to run out.
+    pub lost: f64,
+    /// Largest speed of a particle over the one that its start, a fall through the scene and the body give (0 to 1e6);
+    /// 0 does not look. Jets of an impact are several times faster than the water that hits.
+    pub speed: f64,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self { energy: 0.01, lost: 0.0, speed: 5.0 }
     }
 }
 

@@ -121,6 +121,7 @@ impl Scene {
             validate_structure(&check, structure)?;
         }
         self.coupling.validate(name, self.run.communication_step)?;
+        self.watch.validate(name)?;
         validate_checks(&self.check, name)
     }
 }
@@ -151,6 +152,16 @@ impl Output {
         check.within("output.interval", self.interval, 0.0, f64::MAX)?;
         check.within("output.record_interval", self.record_interval, 0.0, f64::MAX)?;
         check.within("output.checkpoint_interval", self.checkpoint_interval, 0.0, 1e9)
+    }
+}
+
+impl Watch {
+    /// Checks every number; `name` is used in messages.
+    pub fn validate(&self, name: &str) -> Result<(), Error> {
+        let check = Checker { name };
+        check.within("watch.energy", self.energy, 0.0, 1e3)?;
+        check.within("watch.lost", self.lost, 0.0, 1.0)?;
+        check.within("watch.speed", self.speed, 0.0, 1e6)
     }
 }
 

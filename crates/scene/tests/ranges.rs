@@ -65,6 +65,10 @@ maximum_iterations = 30
 smallest_step = 1e-4
 predictor_order = 1
 reused_steps = 4
+[watch]
+energy = 0.01
+lost = 0.1
+speed = 5.0
 [[check]]
 name = "c"
 kind = "series_mean"
@@ -148,6 +152,9 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("coupling.maximum_iterations", &["-1", "0", "10001"], &["1", "10000"]),
     ("coupling.smallest_step", &["-1e-9", "0.011"], &["0", "0.01"]),
     ("coupling.predictor_order", &["-1", "3"], &["0", "2"]),
+    ("watch.energy", &["-0.1", "1.1e3", "nan"], &["0", "1e3"]),
+    ("watch.lost", &["-0.1", "1.1"], &["0", "1"]),
+    ("watch.speed", &["-0.1", "1.1e6"], &["0", "1e6"]),
     ("coupling.reused_steps", &["-1", "101"], &["0", "100"]),
     ("check.0.to", &["0.09"], &["0.1"]),
     ("check.0.time_scale", &["-1", "0"], &["0.1"]),

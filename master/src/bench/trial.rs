@@ -269,7 +269,17 @@ mod tests {
     fn result(value: Option<f64>, error: Option<f64>, problem: Option<&str>) -> CheckResult {
         let (unit, source) = ("m".to_string(), String::new());
         let problem = problem.map(str::to_string);
-        CheckResult { value, reference: None, error, unit, passed: None, details: BTreeMap::new(), source, problem }
+        CheckResult {
+            value,
+            reference: None,
+            error,
+            unit,
+            limit: None,
+            passed: None,
+            details: BTreeMap::new(),
+            source,
+            problem,
+        }
     }
 
     fn empty(plan: &Plan) -> Trial {

@@ -61,7 +61,7 @@ fn result(check: &Check, figure: Result<Figure, String>) -> CheckResult {
     let passed = check.limit.map(|limit| deviation.is_some_and(|deviation| deviation.abs() <= limit));
     let details = figure.map(|figure| figure.details).unwrap_or_default();
     let (unit, source) = (check.unit.clone(), check.source.clone());
-    CheckResult { value, reference, error, unit, passed, details, source, problem }
+    CheckResult { value, reference, error, unit, limit: check.limit, passed, details, source, problem }
 }
 
 fn figure(check: &Check, context: &Context) -> Result<Figure, String> {

@@ -55,6 +55,9 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
         let (steps, seconds) = estimate(&scene, &particles, coordinates);
         answer!("# about {steps:.0} steps and {} on this machine, give or take a factor of two;", duration(seconds));
     }
+    for warning in crate::warnings::of_scene(&scene) {
+        answer!("# warning: {warning};");
+    }
     let default = || Path::new("results").join(format!("{}-set-up.png", target.name));
     let mut stem = arguments.picture.clone().unwrap_or_else(default);
     if stem.extension().is_some_and(|extension| extension == "png" || extension == "svg") {

@@ -1,6 +1,6 @@
 //! `plimsoll run`: a scene, a case, or an earlier run again.
 
-use super::{Failure, INTERRUPTED, watch_for_interruption};
+use super::{Failure, INTERRUPTED, MISSED, watch_for_interruption};
 use crate::case::Case;
 use crate::fmu::FmuParticipant;
 use crate::job::{Facts, Job};
@@ -62,24 +62,26 @@ impl RunArguments {
 
 pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let target = find(arguments)?;
-    if arguments.resume && is_done(arguments, &target)? {
+    if arguments.resume
+        && let Some(summary) = done(arguments, &target)?
+    {
         tell!("the run is complete already; without --resume it is done again");
-        return Ok(ExitCode::SUCCESS);
+        return Ok(code(&summary));
     }
     let interrupted = watch_for_interruption(arguments.style())?;
     let (summary, _, folder) = execute_target(arguments, &target, &interrupted)?;
     Ok(conclude(&summary, &folder, arguments))
 }
 
-/// Whether the same run, by the same version, is complete in its folder.
-fn is_done(arguments: &RunArguments, target: &Target) -> Result<bool, Failure> {
+/// The summary of the same run, by the same version, if it is complete in its folder.
+fn done(arguments: &RunArguments, target: &Target) -> Result<Option<Summary>, Failure> {
     let folder = arguments.folder(target);
     let (Ok(summary), Some(recipe)) = (Summary::read(&folder.join("summary.json")), Recipe::read(&folder)?) else {
-        return Ok(false);
+        return Ok(None);
     };
     let same = recipe.set == target.set && recipe.version == env!("CARGO_PKG_VERSION");
     let text = std::fs::read_to_string(Recipe::scene_in(&folder)).unwrap_or_default();
-    Ok(summary.status == Status::Complete && same && text == target.text)
+    Ok(Some(summary).filter(|summary| summary.status == Status::Complete && same && text == target.text))
 }
 
 /// Runs a scene or a case and writes everything about it into the folder that is returned.
@@ -114,7 +116,7 @@ fn execute_target(
     if style == Style::Bar {
         tell!("{}: {} s", job.case.title, job.case.run.end);
     }
-    let mut progress = Progress::new(job.case.start, job.case.run.end, style);
+    let mut progress = Progress::new(job.case.start, job.case.run.end, style).logged(&log);
     let (summary, outcome) = job.execute(participants, checkpoint, interrupted, &mut progress)?;
     if arguments.parquet {
         crate::record::write_parquet(&job.folder.join("results.parquet"), &outcome.series)?;
@@ -183,11 +185,15 @@ fn conclude(summary: &Summary, folder: &Path, arguments: &RunArguments) -> ExitC
             "{}",
             json!({
                 "event": "end", "status": summary.status, "error": error, "steps": steps, "simulated_seconds": simulated,
-                "wall_seconds": wall, "checks": summary.checks, "report": report,
+                "wall_seconds": wall, "checks": summary.checks, "missed": summary.missed, "report": report,
             })
         ),
         (_, Some(error)) => tell!("error: {error}"),
-        (_, None) => {}
+        // What the watch found was told when it was found.
+        (_, None) => {
+            let outside = summary.checks.iter().filter_map(|(name, check)| check.missed(name));
+            outside.for_each(|limit| tell!("warning: {limit}"));
+        }
     }
     if arguments.style() == Style::Bar {
         tell!("{simulated:.6} s simulated in {steps} steps, {wall:.1} s of wall-clock time");
@@ -200,7 +206,12 @@ fn conclude(summary: &Summary, folder: &Path, arguments: &RunArguments) -> ExitC
     if arguments.style() == Style::Bar && folder.join(crate::checkpoint::FILE_NAME).is_file() {
         tell!("to go on from the last checkpoint: the same command with --resume");
     }
+    code(summary)
+}
+
+fn code(summary: &Summary) -> ExitCode {
     match summary.status {
+        Status::Complete if !summary.missed.is_empty() => ExitCode::from(MISSED),
         Status::Complete => ExitCode::SUCCESS,
         Status::Interrupted => ExitCode::from(INTERRUPTED),
         Status::Failed => ExitCode::FAILURE,

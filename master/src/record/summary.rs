@@ -1,6 +1,7 @@
 //! summary.json: what ran, how long it took, and the figures of its checks. Scripts rely on these keys.
 
 use super::{Error, write_whole};
+use crate::report::Short;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -41,6 +42,9 @@ pub struct CheckResult {
     pub error: Option<f64>,
     /// Unit of the three.
     pub unit: String,
+    /// Largest size of the error, or of the value where nothing is expected.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub limit: Option<f64>,
     /// Whether the error is within the limit; none without a limit.
     pub passed: Option<bool>,
     /// Further figures by name, for example the share of a curve inside a band.
@@ -82,10 +86,37 @@ pub struct Summary {
     pub stages: BTreeMap<String, f64>,
     /// Iterations.
     pub coupling: CouplingSummary,
+    /// Largest gain of energy that nothing supplied, over the energy of the run; none where it is not known.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub energy_gain: Option<f64>,
+    /// Warnings of the run.
+    #[serde(default)]
+    pub warnings: Vec<String>,
+    /// Limits that were missed: what the watch found, and the figures outside their limits.
+    #[serde(default)]
+    pub missed: Vec<String>,
     /// Figures by name.
     pub checks: BTreeMap<String, CheckResult>,
     /// Version of the program.
     pub version: String,
+}
+
+impl CheckResult {
+    /// Why a figure called `name` is outside its limit; none where it is within, or has none.
+    pub fn missed(&self, name: &str) -> Option<String> {
+        if self.passed != Some(false) {
+            return None;
+        }
+        let (unit, size) = (&self.unit, self.error.or(self.value));
+        let limit = self.limit.map_or_else(String::new, |limit| format!(", expected at most {} {unit}", Short(limit)));
+        Some(match (size, self.reference) {
+            (Some(size), Some(reference)) => {
+                format!("check '{name}': {} {unit} off {} {unit}{limit}", Short(size), Short(reference))
+            }
+            (Some(size), None) => format!("check '{name}': {} {unit}{limit}", Short(size)),
+            (None, _) => format!("check '{name}': {}", self.problem.as_deref().unwrap_or("there is no value")),
+        })
+    }
 }
 
 impl Summary {

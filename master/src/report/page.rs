@@ -6,20 +6,15 @@ use super::{Pictures, figures::MOVIE};
 use crate::record::{CheckResult, Recipe, Summary};
 use maud::{Markup, html};
 
-/// The page for a summary, with what the scene says of itself, charts, pictures, and the warnings of the run.
-pub fn run_page(
-    summary: &Summary,
-    about: &[(&str, &str)],
-    recipe: Option<&Recipe>,
-    pictures: &Pictures,
-    warnings: &[String],
-) -> String {
+/// The page for a summary, with what the scene says of itself, charts and pictures.
+pub fn run_page(summary: &Summary, about: &[(&str, &str)], recipe: Option<&Recipe>, pictures: &Pictures) -> String {
     let title = if summary.title.is_empty() { &summary.scene } else { &summary.title };
     let failures = pictures.failures.iter().map(ToString::to_string);
-    let warnings: Vec<String> = warnings.iter().cloned().chain(failures).collect();
+    let warnings: Vec<String> = summary.warnings.iter().cloned().chain(failures).collect();
     let body = html! {
         p { (state(summary).replace("**", "")) }
         @for (name, content) in about.iter().filter(|(_, content)| !content.is_empty()) { p { b { (name) ". " } (content) } }
+        @if !summary.missed.is_empty() { h2 { "Limits that were missed" } ul { @for limit in &summary.missed { li { (limit) } } } }
         @if !warnings.is_empty() { h2 { "Warnings" } ul { @for warning in &warnings { li { (warning) } } } }
         @if !summary.checks.is_empty() { h2 { "Figures" } (checks(summary)) }
         (images(pictures))

@@ -11,6 +11,11 @@ pub fn markdown(summary: &Summary, about: &[(&str, &str)], pictures: &[PathBuf],
         text += &format!("**{name}.** {content}\n\n");
     }
     text += &format!("{}\n\n", state(summary));
+    for (title, lines) in [("Limits that were missed", &summary.missed), ("Warnings", &summary.warnings)] {
+        if !lines.is_empty() {
+            text += &format!("## {title}\n\n{}\n", lines.iter().map(|line| format!("- {line}\n")).collect::<String>());
+        }
+    }
     let facts = facts(summary);
     let rows = facts.iter().map(|(name, value)| format!("| {name} | {value} |\n")).collect::<String>();
     text += &format!("| | |\n|---|---|\n{rows}");
@@ -36,7 +41,11 @@ pub fn markdown(summary: &Summary, about: &[(&str, &str)], pictures: &[PathBuf],
 /// How a run ended, in a sentence.
 pub(super) fn state(summary: &Summary) -> String {
     let reached = format!("{:.6} s simulated in {:.2} s", summary.simulated_seconds, summary.wall_seconds);
+    let missed = summary.missed.len();
     match (summary.status, &summary.error) {
+        (Status::Complete, _) if missed > 0 => {
+            format!("**The run reached its end, but missed {missed} of its limits**: {reached}.")
+        }
         (Status::Complete, _) => format!("The run reached its end: {reached}."),
         (Status::Interrupted, _) => format!("**The run was interrupted**: {reached}."),
         (Status::Failed, Some(error)) => format!("**The run failed**: {reached}; {error}."),
@@ -55,6 +64,8 @@ pub(super) fn facts(summary: &Summary) -> Vec<(&'static str, String)> {
     rows.push(("iterations per step, mean", format!("{:.2}", coupling.mean_iterations)));
     rows.push(("iterations per step, most", coupling.maximum_iterations.to_string()));
     rows.push(("steps repeated smaller", coupling.rollbacks.to_string()));
+    let percent = |gain: f64| format!("{:.2} % of the energy of the run", 100.0 * gain);
+    rows.extend(summary.energy_gain.map(|gain| ("energy gained that nothing supplied, at most", percent(gain))));
     rows
 }
 

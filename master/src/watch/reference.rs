@@ -1,0 +1,98 @@
+//! What the motion of a scene is measured by: the forces that act on it, how far it can fall, how fast that makes it.
+
+use scene::{Point, Scene, Structure};
+use std::f64::consts::TAU;
+
+/// Figures of a scene before anything moves.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Reference {
+    /// Magnitude of gravity \[m/s2\].
+    pub gravity: f64,
+    /// Lowest height of water, walls and body, against gravity \[m\].
+    pub lowest: f64,
+    /// Mass of the water \[kg/m\].
+    pub water: f64,
+    /// Mass of what moves of the structure \[kg/m\].
+    pub body: f64,
+    /// Square of the speed that the start, a fall through the scene and the attraction give \[m2/s2\].
+    pub squared_speed: f64,
+    /// Largest acceleration of a shaken tank \[m/s2\] and its angular frequency \[rad/s\].
+    pub shaking: (Point, f64),
+    /// Constant load on the coordinates of the structure.
+    pub constant_load: Vec<f64>,
+}
+
+impl Reference {
+    /// The figures of a validated scene.
+    pub fn of(scene: &Scene) -> Self {
+        let gravity = scene.gravity[0].hypot(scene.gravity[1]);
+        let height = |point: &Point| {
+            if gravity > 0.0 { -(scene.gravity[0] * point[0] + scene.gravity[1] * point[1]) / gravity } else { 0.0 }
+        };
+        let (fluid, structure) = (scene.fluid.as_ref(), scene.structure.as_ref());
+        let water: Vec<Point> = fluid.iter().flat_map(|it| &it.water).flat_map(|it| it.polygon.clone()).collect();
+        let walls = fluid.iter().flat_map(|it| &it.wall).flat_map(|it| it.points.clone());
+        let all = water.iter().copied().chain(walls).chain(structure.iter().flat_map(|it| outline(it)));
+        let lowest = all.map(|point| height(&point)).fold(f64::INFINITY, f64::min);
+        let mut reference = Self { gravity, lowest: if lowest.is_finite() { lowest } else { 0.0 }, ..Self::default() };
+        if let Some(fluid) = fluid {
+            reference.water = fluid.density * fluid.water.iter().map(scene::Polygon::area).sum::<f64>();
+            let fall = water.iter().map(height).fold(reference.lowest, f64::max) - reference.lowest;
+            let start = water.iter().map(|point| squared_start(&fluid.start, point)).fold(0.0, f64::max);
+            let reach = water.iter().map(|it| it[0] * it[0] + it[1] * it[1]).fold(0.0, f64::max);
+            let omega = TAU / fluid.shaking.period;
+            reference.shaking = (fluid.shaking.amplitude.map(|amplitude| amplitude * omega * omega), omega);
+            let shaken = fluid.shaking.amplitude.iter().map(|amplitude| (amplitude * omega).powi(2)).sum::<f64>();
+            reference.squared_speed = start + 2.0 * gravity * fall + fluid.attraction.max(0.0) * reach + shaken;
+        }
+        if let Some(structure) = structure {
+            let rigid = if structure.free.is_empty() { 0.0 } else { structure.mass };
+            reference.body = rigid + structure.beam.as_ref().map_or(0.0, |beam| beam.line_density() * beam.length);
+            reference.constant_load.clone_from(&structure.constant_load);
+        }
+        reference
+    }
+}
+
+/// Square of the speed of the water at a point at the start \[m2/s2\].
+fn squared_start(start: &scene::Start, point: &Point) -> f64 {
+    let along = |k: usize| start.velocity[k] + start.gradient[k][0] * point[0] + start.gradient[k][1] * point[1];
+    along(0).powi(2) + along(1).powi(2)
+}
+
+/// Corners of walls and beam where they stand at the start \[m\].
+fn outline(structure: &Structure) -> Vec<Point> {
+    let (sin, cos) = structure.angle.sin_cos();
+    let beam = structure
+        .beam
+        .iter()
+        .flat_map(|beam| [-0.5, 0.5].map(|share| [beam.middle[0], beam.middle[1] + share * beam.length]));
+    let corners = structure.wall.iter().flat_map(|wall| wall.points.iter().copied()).chain(beam);
+    let place = |[x, y]: Point| [structure.origin[0] + cos * x - sin * y, structure.origin[1] + sin * x + cos * y];
+    corners.map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_has_its_fall_and_its_masses() {
+        let text = "title = 't'\n[run]\nend = 1.0\ncommunication_step = 0.1\n[fluid]\nspacing = 0.1\ndensity = 500.0\n\
+            water = [{ polygon = [[0,0],[2,0],[2,1],[0,1]] }]\nstart = { velocity = [3.0, 0.0] }\n\
+            wall = [{ points = [[0,2],[0,-0.5],[2,0],[2,2]] }]\nshaking = { amplitude = [0.1, 0.0], period = 2.0 }\n";
+        let reference = Reference::of(&Scene::from_str(text, "t").unwrap());
+        assert_eq!((reference.lowest, reference.water, reference.body), (-0.5, 1000.0, 0.0));
+        let pi = std::f64::consts::PI;
+        // From the surface at 1 m to the lowest corner, and 3 m/s, and the shaking's 0.1 pi m/s.
+        let expected = 2.0 * 9.81 * 1.5 + 9.0 + (0.1 * pi).powi(2);
+        assert!((reference.squared_speed - expected).abs() < 1e-12, "{}", reference.squared_speed);
+        assert!((reference.shaking.0[0] - 0.1 * pi * pi).abs() < 1e-12 && reference.shaking.1 == pi);
+        let text = "title = 't'\ngravity = [0.0, -2.0]\n[run]\nend = 1.0\ncommunication_step = 0.1\n[structure]\n\
+            origin = [1.0, 1.0]\nangle = 1.5707963267948966\nfree = ['y']\nmass = 3.0\n\
+            wall = [{ points = [[-2.0, 0.0], [0.5, 0.0]] }]\n";
+        let reference = Reference::of(&Scene::from_str(text, "t").unwrap());
+        assert!((reference.lowest + 1.0).abs() < 1e-12, "turned by a quarter: {}", reference.lowest);
+        assert_eq!((reference.body, reference.gravity, reference.squared_speed), (3.0, 2.0, 0.0));
+    }
+}
