@@ -179,8 +179,8 @@ impl Solver {
         result
     }
 
-    /// Finds load and added mass at a communication point at which nothing was stepped yet, with the body as it stands.
-    /// Scenes in which nothing answers to the load, and the scheme `paper`, have none: nothing is done.
+    /// Finds pressure, load and added mass at a communication point at which nothing was stepped yet, with the body as it
+    /// stands. The scheme `paper` does nothing.
     pub fn begin(&self, state: &mut State, workspace: &mut Workspace) -> Result<Report, Error> {
         self.check_body_inside(&state.motion, state.time)?;
         let mut report = Report::default();

@@ -162,7 +162,8 @@ impl Solver {
         self.account(&outcome, size, time, report)
     }
 
-    /// Load and added mass of a state, with the body accelerating as at the end of the last step.
+    /// Pressure, load and added mass of a state, with the body accelerating as at the end of the last step. Where nothing
+    /// answers to the load, a pressure that is not found is left to the first step, which says why.
     pub(crate) fn find_load(
         &self,
         state: &mut State,
@@ -171,18 +172,22 @@ impl Solver {
         report: &mut Report,
     ) -> Result<(), Error> {
         let Scheme::Accurate(accurate) = &self.setting.parameters.scheme else { return Ok(()) };
-        if self.setting.geometry.active.is_empty() {
-            return Ok(());
-        }
+        let free = !self.setting.geometry.active.is_empty();
         let mut scratch = state.clone();
         scratch.load.fill(0.0);
         let change = &scratch.motion.acceleration * pace.time_step;
         workspace.target.velocity += change;
-        self.solve_on_cells(accurate, &mut scratch, pace, workspace, report)?;
+        match self.solve_on_cells(accurate, &mut scratch, pace, workspace, report) {
+            Err(Error::Pressure { .. }) if !free => return Ok(()),
+            solved => solved?,
+        }
         voronoi::step::add_body_load(&mut scratch, &workspace.accurate, &self.setting, 1.0);
         state.load = scratch.load;
+        state.pressures = scratch.pressures;
         state.acceleration.copy_from_slice(state.motion.acceleration.as_slice());
-        state.added_mass.clone_from(&workspace.accurate.responses.added_mass);
+        if free {
+            state.added_mass.clone_from(&workspace.accurate.responses.added_mass);
+        }
         Ok(())
     }
 

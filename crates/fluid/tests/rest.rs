@@ -42,6 +42,39 @@ fn still_water_stays_in_and_throws_nothing_out() {
     assert!(level.abs() < 0.02, "centre of mass moved by {level} of its height");
 }
 
+/// Before the first step the water weighs on its tank and on a body in it as it does afterwards.
+#[test]
+fn the_pressure_is_there_before_the_first_step() {
+    let at_the_floor = [Vector2::new(0.5, 0.0).into(), Vector2::new(0.0, 0.25).into()];
+    let body = kinematics::Body {
+        origin: Vector2::new(1.0, 0.25),
+        angle: 0.0,
+        walls: vec![vec![Vector2::new(0.0, -0.25), Vector2::new(0.0, 0.55)]],
+        beam: None,
+    };
+    let mut floor = tank(1.0, 0.8);
+    floor.pop();
+    let geometry = Geometry {
+        water: vec![rectangle(0.0, 0.0, 1.0, 0.5)],
+        fixed_walls: vec![floor],
+        body: Some(body),
+        probes: at_the_floor.to_vec(),
+        ..Geometry::default()
+    };
+    let solver = Solver::new(parameters(accurate(), 0.02, 1e-5, 2), geometry).unwrap();
+    let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
+    solver.begin(&mut state, &mut workspace).unwrap();
+    let seen = solver.observe(&state);
+    // rho g h per metre of floor; rho g h^2 / 2 on each side, the right one of which is the body.
+    let near = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 0.01, "{value}, expected {exact}");
+    near(seen.wall_force.y, -4905.0);
+    near(seen.wall_force.x, -1226.25);
+    near(state.load[0], 1226.25);
+    near(seen.probes[0], 4905.0);
+    near(seen.probes[1], 2452.5);
+    assert_eq!((state.time, state.steps, seen.maximum_speed), (0.0, 0, 0.0));
+}
+
 /// The worst seen while water is at rest with the accurate scheme, over what it should be.
 #[derive(Debug, Default)]
 struct Worst {
