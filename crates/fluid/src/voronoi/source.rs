@@ -11,7 +11,7 @@
 //!
 //! The compact matrix A is not D G / V, so that a step leaves a rest of the rate that it asked for, which the next ones
 //! work off: in steady flow the rest is in proportion to dt, and its share in the pressure is rest / dt. A step of another
-//! length expects another rest; the difference is not asked for at once, but as it would have come.
+//! length would find another rest; the difference is carried over and not asked for at once.
 
 use super::added_mass::Responses;
 use super::cells::Cells;
@@ -26,12 +26,10 @@ use nalgebra::{DVector, Matrix2, Vector2};
 
 /// Share of the second-order change that is measured.
 const MEASURED: f64 = 0.5;
-/// Largest difference of the measured change from the modelled one, over dt V |grad u|^2.
-const LARGEST_CORRECTION: f64 = 1.0;
-/// Largest rest that is carried over a change of the step, over dt V |grad u|^2.
-const LARGEST_REST: f64 = 3.0;
-/// Share of the carried rest that remains after a step.
-const KEPT: f64 = 0.9;
+/// Largest rate that is carried over a change of the step, over (dt + dt_old) V |grad u|^2.
+const LARGEST_CARRIED: f64 = 20.0;
+/// Share of the carried rate that remains after a step.
+const KEPT: f64 = 0.99;
 /// Largest share of its area that a cell is taken to be too large or too small by.
 const LARGEST_EXCESS: f64 = 0.5;
 
@@ -40,7 +38,7 @@ const LARGEST_EXCESS: f64 = 0.5;
 pub struct Asked {
     /// Rate of the area with the velocity after the step.
     rate: f64,
-    /// Rest of the last step's rate beyond what a step of this length would have left.
+    /// What the last step left of its rate beyond what one as long as this one would have left.
     carried: f64,
 }
 
@@ -68,19 +66,20 @@ impl Prepared {
     /// Minus the second-order change of the area over the step, and the rest that is carried over a change of its length.
     fn second_order(&self, i: usize, state: &State, time_step: f64) -> Asked {
         let gradient = &self.gradients[i];
-        let modelled = self.cells.cells[i].trust() * time_step * state.volumes[i] * gradient.determinant();
+        let second = self.cells.cells[i].trust() * state.volumes[i] * gradient.determinant();
         let last_step = state.time_step;
         if last_step == 0.0 {
-            return Asked { rate: -modelled, carried: 0.0 };
+            return Asked { rate: -second * time_step, carried: 0.0 };
         }
         let AreaRate { left, asked, due } = state.area_rates[i];
-        let scale = time_step * state.volumes[i] * gradient.norm_squared();
-        let bounded = |value: f64, bound: f64| value.clamp(-bound * scale, bound * scale);
+        let both = time_step + last_step;
         let now = self.area_rate(i, &self.before, gradient, &self.rates);
-        let measured = (now - left) * time_step / (time_step + last_step);
-        let change = modelled + MEASURED * bounded(measured - modelled, LARGEST_CORRECTION);
-        let rest = due * time_step / last_step - (left - asked);
-        Asked { rate: -change, carried: KEPT * bounded(rest, LARGEST_REST) }
+        let scale = state.volumes[i] * gradient.norm_squared();
+        let measured = (now - left) / both;
+        let change = second + MEASURED * (measured - second).clamp(-scale, scale);
+        let carried = due * time_step / last_step - (left - asked);
+        let bound = LARGEST_CARRIED * both * state.volumes[i] * gradient.norm_squared();
+        Asked { rate: -change * time_step, carried: KEPT * carried.clamp(-bound, bound) }
     }
 
     /// Rate of the area of cell i with the given velocities, the gradient of the velocity there, and rates of the body.

@@ -1,0 +1,92 @@
+//! Verification: the load on a body and the pressure on it do not depend on the length of the step, nor on its changes.
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod common;
+
+use common::{accurate, parameters, points, rectangle};
+use fluid::{Geometry, Parameters, Probe, Solver};
+use kinematics::{Body, Motion};
+use nalgebra::Vector2;
+
+/// Speed at which the wedge goes down \[m/s\].
+const SPEED: f64 = 1.0;
+const SPACING: f64 = 0.03;
+/// Steps of one length before the next change.
+const RUN: usize = 8;
+
+/// A wedge of 30 degrees over water 6 m wide and 2 m deep, without gravity; a probe on its right side.
+fn wedge() -> Solver {
+    let (half, height) = (1.2, 1.2 * 30.0_f64.to_radians().tan());
+    let tip = 2.0 + 0.5 * SPACING;
+    let body = Body {
+        origin: Vector2::new(0.0, tip),
+        angle: 0.0,
+        walls: vec![points(&[(0.0, 0.0), (-half, height), (half, height), (0.0, 0.0)])],
+        beam: None,
+    };
+    let probe = Probe { place: Vector2::new(0.1, tip + 0.1 * height / half), on_body: true };
+    let geometry = Geometry {
+        water: vec![rectangle(-3.0, 0.0, 3.0, 2.0)],
+        fixed_walls: vec![points(&[(-3.0, 4.0), (-3.0, 0.0), (3.0, 0.0), (3.0, 4.0)])],
+        body: Some(body),
+        probes: vec![probe],
+        ..Geometry::default()
+    };
+    let parameters = Parameters { gravity: Vector2::zeros(), ..parameters(accurate(), SPACING, 1e-8, 2) };
+    Solver::new(parameters, geometry).unwrap()
+}
+
+/// Load and pressure after every step of a run with `long` steps that changes to `short` ones and back again and again.
+fn entry(long: f64, short: f64) -> [Vec<f64>; 2] {
+    let solver = wedge();
+    let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
+    state.motion.velocity[1] = -SPEED;
+    let (mut time, mut series) = (0.0, [Vec::new(), Vec::new()]);
+    let begin = (0.06 / long).round() as usize;
+    while time < 0.28 {
+        let k = series[0].len();
+        let duration = if k >= begin && (k - begin) % (2 * RUN) < RUN { short } else { long };
+        time += duration;
+        let mut end = Motion::at_rest(0);
+        end.position[1] = -SPEED * time;
+        end.velocity[1] = -SPEED;
+        let report = solver.step(&mut state, &end, duration, &mut workspace).unwrap();
+        assert_eq!(report.substeps, 1);
+        series[0].push(state.load[1]);
+        series[1].push(solver.observe_with(&state, &mut workspace).probes[0]);
+    }
+    series.map(|values| values[begin..].to_vec())
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Median over all cycles of the difference from the running median, step by step after each change.
+fn offsets(values: &[f64]) -> Vec<f64> {
+    let whole = values.len() / (2 * RUN) * (2 * RUN);
+    let course = |k: usize| median(values[k.saturating_sub(2 * RUN)..(k + 2 * RUN + 1).min(whole)].to_vec());
+    let relative: Vec<f64> = (0..whole).map(|k| values[k] / course(k) - 1.0).collect();
+    (0..2 * RUN).map(|k| median(relative.iter().skip(k).step_by(2 * RUN).copied().collect())).collect()
+}
+
+/// Half the step and back: nothing is seen of it beyond the scatter of medians of 20 values that scatter by 6 %.
+#[test]
+fn halving_the_step_changes_no_load() {
+    let [load, pressure] = entry(1e-3, 5e-4).map(|values| offsets(&values));
+    println!("load {load:.3?}, pressure {pressure:.3?}");
+    assert!(load.iter().all(|offset| offset.abs() < 0.08), "load {load:?}");
+    assert!(pressure.iter().all(|offset| offset.abs() < 0.05), "pressure {pressure:?}");
+}
+
+/// A fifth of the step and back: what the matrix has not yet worked off shows in the first two short steps, and in no
+/// others.
+#[test]
+fn a_fifth_of_the_step_changes_the_load_for_two_steps_at_most() {
+    let [load, pressure] = entry(1e-3, 2e-4).map(|values| offsets(&values));
+    println!("load {load:.3?}, pressure {pressure:.3?}");
+    for offsets in [load, pressure] {
+        assert!(offsets[2..].iter().all(|offset| offset.abs() < 0.06), "{offsets:?}");
+    }
+}
