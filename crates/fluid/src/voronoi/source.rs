@@ -11,7 +11,7 @@
 //!
 //! The compact matrix A is not D G / V, so that a step leaves a rest of the rate that it asked for, which the next ones
 //! work off: in steady flow the rest is in proportion to dt, and its share in the pressure is rest / dt. A step of another
-//! length would find another rest; the difference is carried over and not asked for at once.
+//! length would find another rest; the difference is carried over, within the rest itself, and not asked for at once.
 
 use super::added_mass::Responses;
 use super::cells::Cells;
@@ -77,8 +77,10 @@ impl Prepared {
         let scale = state.volumes[i] * gradient.norm_squared();
         let measured = (now - left) / both;
         let change = second + MEASURED * (measured - second).clamp(-scale, scale);
-        let carried = due * time_step / last_step - (left - asked);
-        let bound = LARGEST_CARRIED * both * state.volumes[i] * gradient.norm_squared();
+        // Never more than the rest itself: what is carried ends with it, and does not outlive a splash.
+        let rest = left - asked;
+        let carried = due * time_step / last_step - rest;
+        let bound = (LARGEST_CARRIED * both * scale).min(rest.abs());
         Asked { rate: -change * time_step, carried: KEPT * carried.clamp(-bound, bound) }
     }
 
