@@ -47,7 +47,7 @@ pub struct Observables {
     pub lost: usize,
 }
 
-/// Distance in spacings within which a probe that moves with the body stands on its wall.
+/// Distance in spacings within which a probe stands on a wall.
 const ON_WALL: f64 = 0.25;
 
 /// Computes the figures of `state`; `cells` are its cells if they are known.
@@ -130,10 +130,7 @@ fn stands(setting: &Setting, state: &State, place: &Vector2<f64>, on_body: bool)
 /// Pressure at a probe \[Pa\].
 fn read(setting: &Setting, state: &State, field: &PressureField, probe: &Probe) -> f64 {
     let place = stands(setting, state, &probe.place, probe.on_body);
-    if !probe.on_body {
-        return field.at_point(&place);
-    }
-    // A place on the body is on its wall only up to rounding and deflection.
+    // A place on a wall is there only up to rounding, on the body up to its deflection.
     field.at_point(&field.walls.in_front(&place, ON_WALL * setting.spacing))
 }
 

@@ -80,30 +80,38 @@ impl<'a> Outline<'a> {
         if low.x > high.x { ([Vector2::zeros(); 2], 0.0) } else { ([low, high], farthest) }
     }
 
-    /// Highest place where the free surface crosses the vertical line at `x`; `lowest` where it does not \[m\].
+    /// Highest place where the free surface crosses the vertical line at `x`; `lowest` where there is no water \[m\].
+    ///
+    /// The pieces of surface of two cells may leave a gap over the line, and the cell beside it may have no surface that
+    /// can be told: there the highest cell that hangs together with others on both sides of it says how far water goes.
     pub fn level(&self, x: f64, lowest: f64) -> f64 {
-        // The pieces of surface of two cells may leave a gap: nearest surface points bridge it.
-        let (mut highest, mut bridging) = (lowest, lowest);
+        let (mut highest, mut top) = (lowest, lowest);
         for (i, position) in self.state.positions.iter().enumerate() {
-            let Some(middle) = self.surface_point(i) else { continue };
-            let facets = self.cells.facets.of(i);
-            if facets.len() < 2 || (position.x - x).abs() > 3.0 * self.cells.cells[i].surface {
+            let cell = &self.cells.cells[i];
+            let away = (position.x - x).abs();
+            if self.cells.facets.of(i).len() < 2 || away > 3.0 * cell.surface.max(self.spacing) {
                 continue;
             }
-            let outward = &self.cells.cells[i].outward;
-            if (position.x - x).abs() < BRIDGED * self.spacing && outward.y > 0.7 * outward.norm() {
-                bridging = bridging.max(middle.y);
+            if away < BRIDGED * self.spacing {
+                top = top.max(position.y + if cell.is_open() { cell.depth } else { 0.5 * self.spacing });
             }
-            for facet in self.cells.facets_and_walls(i) {
-                let (foot, along) = (position + facet.normal * facet.height, turn(&facet.normal));
-                for end in facet.surface_ends().into_iter().flatten() {
-                    if let Some(y) = crossing(&middle, &(foot + along * end), x) {
-                        highest = highest.max(y);
-                    }
+            let Some(middle) = self.surface_point(i) else { continue };
+            self.crossings(i, &middle, x, |y| highest = highest.max(y));
+        }
+        if top > highest + self.spacing { top } else { highest }
+    }
+
+    /// Calls `visit` with the heights at which the surface of cell i, with the place `middle` on it, passes `x`.
+    fn crossings(&self, i: usize, middle: &Vector2<f64>, x: f64, mut visit: impl FnMut(f64)) {
+        let position = &self.state.positions[i];
+        for facet in self.cells.facets_and_walls(i) {
+            let (foot, along) = (position + facet.normal * facet.height, turn(&facet.normal));
+            for end in facet.surface_ends().into_iter().flatten() {
+                if let Some(y) = crossing(middle, &(foot + along * end), x) {
+                    visit(y);
                 }
             }
         }
-        if bridging > highest + self.spacing { bridging } else { highest }
     }
 
     /// Force of the water on the fixed walls \[N/m\].
