@@ -131,7 +131,14 @@ fn stands(setting: &Setting, state: &State, place: &Vector2<f64>, on_body: bool)
 fn read(setting: &Setting, state: &State, field: &PressureField, probe: &Probe) -> f64 {
     let place = stands(setting, state, &probe.place, probe.on_body);
     // A place on a wall is there only up to rounding, on the body up to its deflection.
-    field.at_point(&field.walls.in_front(&place, ON_WALL * setting.spacing))
+    let front = field.walls.in_front(&place, ON_WALL * setting.spacing);
+    let pressure = field.at_point(&front);
+    // Where there is no water there is no slope either.
+    if front == place || pressure == 0.0 {
+        return pressure;
+    }
+    let slope = setting.parameters.body_force(&place, field.time) * setting.parameters.density;
+    pressure + slope.dot(&(place - front))
 }
 
 /// Water in a region \[kg/m\].

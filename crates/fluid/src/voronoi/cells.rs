@@ -194,6 +194,11 @@ impl Cells {
                 moment += facet.middle() * normal.transpose();
             }
             cell.outward = -closed;
+            // It is no shorter than the straight line between its ends, whatever became of these; rounding is left alone.
+            let straight = cell.outward.norm();
+            if straight > cell.surface * (1.0 + 1e-6) {
+                cell.surface = straight;
+            }
             let rest = Matrix2::identity() * cell.filled - moment;
             let exact = rest * cell.outward / (cell.surface * cell.depth);
             cell.lift = cell.outward + (exact - cell.outward) * cell.flatness();
