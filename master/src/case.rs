@@ -48,6 +48,41 @@ pub struct Case {
     /// Figures computed of the result.
     #[serde(default)]
     pub check: Vec<Check>,
+    /// What the FMUs may take at most.
+    #[serde(default)]
+    pub limits: Limits,
+}
+
+/// What an FMU may take at most: it comes from anywhere.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    /// Wall-clock time of a step, or of any other call of an FMU, after which the run is ended \[s\]; 0 waits for ever.
+    pub step_limit_seconds: f64,
+    /// Size of an FMU when it is unpacked \[bytes\].
+    pub unpacked_bytes: u64,
+    /// Size of an FMU when it is unpacked over its size as a file.
+    pub unpacked_ratio: f64,
+    /// Files and folders in an FMU.
+    pub entries: u64,
+}
+
+impl Limits {
+    fn validate(&self, name: &str) -> Result<(), Error> {
+        let numbers =
+            [("step_limit_seconds", self.step_limit_seconds), ("unpacked_ratio", self.unpacked_ratio)].into_iter();
+        let mut outside = numbers.filter(|(_, value)| !(0.0..=1e9).contains(value));
+        outside.next().map_or(Ok(()), |(key, value)| {
+            let (key, expected) = (format!("limits.{key}"), "a number from 0 to 1e9".to_string());
+            Err(Error::Range { name: name.to_string(), key, got: value.to_string(), expected })
+        })
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { step_limit_seconds: 3600.0, unpacked_bytes: 1 << 30, unpacked_ratio: 200.0, entries: 10_000 }
+    }
 }
 
 /// One FMU of a case.
@@ -109,6 +144,7 @@ impl Case {
         self.coupling.validate(name, self.run.communication_step)?;
         self.watch.validate(name)?;
         scene::validate_checks(&self.check, name)?;
+        self.limits.validate(name)?;
         if self.fmu.is_empty() {
             return refuse("fmu", "[]".to_string(), "at least one [[fmu]]");
         }
@@ -136,6 +172,13 @@ impl Case {
             got,
             expected: "fmu.variable".to_string(),
         })
+    }
+
+    /// The same without what does not change the numbers up to a given time: a run that goes on may have another one.
+    pub fn for_resuming(&self) -> Self {
+        let (run, output) = (self.run.for_resuming(), self.output.for_resuming());
+        let (title, labels, check, limits) = Default::default();
+        Self { run, output, title, labels, check, limits, ..self.clone() }
     }
 
     /// FMU and variable of the step limit.
@@ -207,6 +250,8 @@ method = 'aitken'
         );
         assert!(refused("= 0.01", "= 0.0").contains("run.communication_step = 0"));
         assert!(refused("name = 'b'", "name = 'a'").contains("a name that is used once"));
+        let limits = "[limits]\nstep_limit_seconds = -1.0\n[coupling]";
+        assert!(refused("[coupling]", limits).contains("limits.step_limit_seconds = -1: expected a number from 0"));
         assert!(refused("to = 'b.u.v'", "to = 'b'").contains("connection.0.to = 'b': expected fmu.variable"));
         let twice = "[[check]]\nname = 'x'\nkind = 'series_maximum'\n[[check]]\nname = 'x'\nkind = 'series_minimum'\n";
         let message = refused("[coupling]", &format!("{twice}[coupling]"));

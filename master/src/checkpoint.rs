@@ -76,6 +76,19 @@ impl Checkpoint {
     }
 }
 
+/// Removes the checkpoint of a run that is complete.
+///
+/// # Errors
+/// A file that cannot be removed.
+pub fn remove(folder: &Path) -> Result<(), Error> {
+    let path = folder.join(FILE_NAME);
+    // A directory of that name is told when the checkpoint is written.
+    if !path.is_file() {
+        return Ok(());
+    }
+    std::fs::remove_file(&path).map_err(|error| Error::new(&path, error))
+}
+
 /// The first line in which two texts differ.
 fn difference(before: &str, now: &str) -> Option<String> {
     if before == now {

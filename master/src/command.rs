@@ -11,7 +11,7 @@ use crate::progress::Style;
 use crate::reproduce::{self, Reproduce};
 use crate::scene_case::{self, Places};
 use crate::target::Target;
-use crate::{answer, tell};
+use crate::{answer, fmu, tell};
 use check::CheckArguments;
 use clap::{Parser, Subcommand};
 use create::{NewArguments, SchemaOf};
@@ -27,7 +27,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const DEFAULT_SCENE: &str = "dam_break_plate";
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 refused, or the run failed (standard error and summary.json say why); \
     2 wrong arguments; 3 the run reached its end but missed a limit, of a check or of the watch over energy, particles and \
-    speeds (standard error, and `missed` in summary.json); 130 ended by the user or by a signal to terminate.";
+    speeds (standard error, and `missed` in summary.json); 130 ended by the user or by a signal to terminate. A crash within \
+    an FMU ends the program by its signal, after a line that says which FMU, in which call, at what time.";
 /// Exit code of a run that the user ended (128 + SIGINT).
 const INTERRUPTED: u8 = 130;
 /// Exit code of a run that reached its end but missed a limit.
@@ -49,8 +50,10 @@ enum Command {
     ///
     /// Writes into the folder: report.html (everything on one page), results.csv (time series), iterations.csv
     /// (coupling), summary.json and summary.md, plots/, frames/ (VTK for ParaView), log.txt, and what the run was made
-    /// of: scene.toml and run.json. `plimsoll run FOLDER --out OTHER` repeats it to the bit. The exit code is 0 only
-    /// when the run reached its end and kept its limits, those of its checks and those of [watch].
+    /// of: scene.toml and run.json, which lists all of these files. `plimsoll run FOLDER --out OTHER` repeats it to the
+    /// bit. The exit code is 0 only when the run reached its end and kept its limits, those of its checks and those of
+    /// [watch]. A complete run in the folder is replaced only with --overwrite, and a folder that holds anything that no
+    /// run wrote is refused.
     Run(RunArguments),
     /// Make fluid.fmu and structure.fmu.
     Pack {
@@ -101,7 +104,8 @@ pub(crate) type Failure = Box<dyn Error>;
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     let result = match Arguments::parse().command {
-        None => run::run(&RunArguments { target: DEFAULT_SCENE.to_string(), ..RunArguments::default() }),
+        // A second call finds the run complete, and says where.
+        None => run::run(&RunArguments { target: DEFAULT_SCENE.to_string(), resume: true, ..RunArguments::default() }),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Pack { out, modes }) => pack_fmus(&out, modes),
         Some(Command::Ssp { scene, set, out }) => export_package(&scene, &set, out),
@@ -126,6 +130,7 @@ fn watch_for_interruption(style: Style) -> Result<Arc<AtomicBool>, Failure> {
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || {
         if raised.swap(true, Ordering::Relaxed) {
+            fmu::allow_exit();
             std::process::exit(i32::from(INTERRUPTED));
         }
         match style {

@@ -3,14 +3,15 @@
 use crate::case::Case;
 use crate::checkpoint::{self, Checkpoint, Schedule};
 use crate::checks::{self, Context};
+use crate::folder::{RunFolder, Wish, plots};
 use crate::participant::Participant;
 use crate::progress::Progress;
-use crate::record::{self, Series, Status, Summary};
-use crate::report;
+use crate::record::{self, Recipe, Series, Status, Summary};
+use crate::report::{self, Chart};
 use crate::run::{self, Outcome};
 use crate::tell;
 use scene::Scene;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// What a scene tells the report beyond its case.
@@ -46,21 +47,6 @@ impl Facts {
     }
 }
 
-/// Files of a run's folder that a new run there removes.
-const OWN_FILES: [&str; 11] = [
-    "results.csv",
-    "results.parquet",
-    "iterations.csv",
-    "summary.json",
-    "summary.md",
-    "report.html",
-    "log.txt",
-    "scene.toml",
-    "run.json",
-    "checkpoint.bin",
-    "checkpoint.part",
-];
-
 /// A run to be done.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
@@ -76,32 +62,28 @@ pub struct Job {
     pub facts: Facts,
     /// All that decides its numbers, as text: a run is resumed with the same inputs only.
     pub inputs: String,
+    /// Whether results.parquet is written.
+    pub parquet: bool,
 }
 
 impl Job {
-    /// Makes the folder and removes what an earlier run left there; with `resume`, a run that left a checkpoint goes
-    /// on.
-    pub fn prepare_folder(&self, resume: bool) -> Result<Option<Checkpoint>, record::Error> {
-        let wrong = |error: std::io::Error| record::Error::new(&self.folder, error);
-        std::fs::create_dir_all(&self.folder).map_err(wrong)?;
+    /// Takes what an earlier run left in the folder: the checkpoint to go on from, if the wish is to resume and there is
+    /// one; else its files are removed.
+    ///
+    /// # Errors
+    /// A complete run that is not to be overwritten, a checkpoint of other inputs, or a file that cannot be removed.
+    pub fn take_folder(&self, folder: &RunFolder, wish: Wish) -> Result<Option<Checkpoint>, record::Error> {
+        folder.allow(wish)?;
         let path = self.folder.join(checkpoint::FILE_NAME);
-        if resume && path.is_file() {
+        if wish.resume && !wish.overwrite && path.is_file() {
             return Checkpoint::read(&path, &self.inputs).map(Some);
         }
-        for name in OWN_FILES {
-            let path = self.folder.join(name);
-            if path.is_file() {
-                std::fs::remove_file(path).map_err(wrong)?;
-            }
-        }
-        for name in ["frames", "plots"] {
-            remove_files(&self.folder.join(name)).map_err(wrong)?;
-        }
+        folder.clear()?;
         Ok(None)
     }
 
-    /// Runs, then writes summary.json, plots and summary.md. The error is one from before the first step, or of a
-    /// summary that cannot be written; an error on the way is part of the summary.
+    /// Runs, then writes summary.json, plots, summary.md and report.html, then frees the participants. The error is one
+    /// from before the first step, or of a summary that cannot be written; an error on the way is part of the summary.
     pub fn execute(
         &self,
         participants: Vec<Box<dyn Participant>>,
@@ -111,24 +93,47 @@ impl Job {
     ) -> Result<(Summary, Outcome), run::Error> {
         let schedule = Schedule::new(&self.folder, self.case.output.checkpoint_interval, self.inputs.clone());
         self.facts.warnings.iter().for_each(|warning| progress.warn(warning));
-        let mut outcome = run::run(&self.case, participants, &self.folder, schedule, from, interrupted, progress)?;
+        let (mut outcome, system) =
+            run::run(&self.case, participants, &self.folder, schedule, from, interrupted, progress)?;
         outcome.warnings.splice(0..0, self.facts.warnings.iter().cloned());
         progress.finish();
-        let summary = self.summary(&outcome);
-        summary.write(&self.folder.join("summary.json")).map_err(|error| match &outcome.error {
+        let summary = self.conclude(&outcome).map_err(|error| match &outcome.error {
             // What ended the run matters more, and would be told by the summary only.
             Some(first) => {
                 record::Error { reason: format!("{}; the run had ended before: {first}", error.reason), ..error }
             }
             None => error,
         })?;
-        self.report(&summary, &outcome)?;
-        // Last: when a full disk takes the summary or the page, the run need not be done again.
-        let path = self.folder.join(checkpoint::FILE_NAME);
-        if outcome.status == Status::Complete && path.is_file() {
-            std::fs::remove_file(&path).map_err(|error| record::Error::new(&path, error))?;
-        }
+        // Last: what somebody else's FMU does when it is freed must not cost the report.
+        drop(system);
         Ok((summary, outcome))
+    }
+
+    /// Everything about a run that has ended. It counts as complete from the last byte on: until then the checkpoint stays,
+    /// so that a kill or a full disk costs what comes after it at most.
+    fn conclude(&self, outcome: &Outcome) -> Result<Summary, record::Error> {
+        let charts = report::charts(&self.case, &outcome.series, &outcome.counts, &self.references);
+        let mut recipe = Recipe::read(&self.folder)?;
+        let summary = self.summary(outcome);
+        let path = self.folder.join("summary.json");
+        if let Some(recipe) = &mut recipe {
+            // A run on a full disk still has its summary where that fits.
+            let listed = recipe.list(&self.folder, plots(&report::stems(&charts)));
+            summary.write(&path).and(listed)?;
+        } else {
+            summary.write(&path)?;
+        }
+        self.report(&summary, charts, recipe.as_ref())?;
+        if self.parquet {
+            record::write_parquet(&self.folder.join("results.parquet"), &outcome.series)?;
+        }
+        if outcome.status == Status::Complete {
+            if let Some(recipe) = &mut recipe {
+                recipe.end(&self.folder)?;
+            }
+            checkpoint::remove(&self.folder)?;
+        }
+        Ok(summary)
     }
 
     fn summary(&self, outcome: &Outcome) -> Summary {
@@ -158,19 +163,24 @@ impl Job {
         }
     }
 
-    fn report(&self, summary: &Summary, outcome: &Outcome) -> Result<(), record::Error> {
-        let pictures = report::draw_all(&self.case, &outcome.series, &outcome.counts, &self.folder, &self.references);
+    fn report(
+        &self,
+        summary: &Summary,
+        charts: Vec<(String, Chart)>,
+        recipe: Option<&Recipe>,
+    ) -> Result<(), record::Error> {
+        let pictures = report::draw_all(charts, &self.folder);
         for failure in &pictures.failures {
             tell!("warning: {failure}");
         }
         let about = [("Source", self.facts.source.as_str()), ("What differs", self.facts.differs.as_str())];
         let text = report::markdown(summary, &about, &pictures.files, &self.folder);
-        let path = self.folder.join("summary.md");
-        record::write_whole(&path, text)?;
-        let path = self.folder.join("report.html");
-        let recipe = record::Recipe::read(&self.folder)?;
-        let page = report::run_page(summary, &about, recipe.as_ref(), &pictures);
-        record::write_whole(&path, page)
+        record::write_whole(&self.folder.join("summary.md"), text)?;
+        let page = report::run_page(summary, &about, recipe, &pictures);
+        record::write_whole(&self.folder.join("report.html"), page)?;
+        // A report is whole with all its pictures: those that a full disk refused are drawn when the run is resumed.
+        let unwritten = pictures.failures.iter().find(|failure| failure.unwritten);
+        unwritten.map_or(Ok(()), |failure| Err(record::Error::new(failure.path.as_ref(), &failure.reason)))
     }
 }
 
@@ -178,17 +188,4 @@ impl Job {
 fn particles(series: &Series) -> Option<f64> {
     let column = series.columns.iter().find(|column| column.name.ends_with(".particles.count"))?;
     column.values.last().copied()
-}
-
-/// Removes the files of a folder that this program writes; other files and folders stay.
-fn remove_files(folder: &Path) -> std::io::Result<()> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
-    for entry in entries {
-        let path = entry?.path();
-        let ours = ["vtu", "pvd", "svg", "png", "part"];
-        if path.extension().is_some_and(|extension| ours.iter().any(|known| extension == *known)) {
-            std::fs::remove_file(path)?;
-        }
-    }
-    Ok(())
 }

@@ -9,6 +9,7 @@ pub mod compare;
 pub mod coupling;
 pub mod direct;
 pub mod fmu;
+pub mod folder;
 pub mod job;
 pub mod log;
 pub mod machine;

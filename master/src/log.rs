@@ -7,7 +7,23 @@ use serde_json::json;
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// Whether what is said on standard error is JSON.
+static JSON: AtomicBool = AtomicBool::new(false);
+/// Descriptor of the last log for the handlers of a crash, which can use nothing else; -1 before there is one.
+static DESCRIPTOR: AtomicI32 = AtomicI32::new(-1);
+
+/// Whether what is said on standard error is to be JSON.
+pub fn speaks_json() -> bool {
+    JSON.load(Ordering::Relaxed)
+}
+
+/// An open descriptor of the log.
+pub fn descriptor() -> Option<i32> {
+    Some(DESCRIPTOR.load(Ordering::Relaxed)).filter(|number| *number >= 0)
+}
 
 /// Severity of a message, as in the FMI status codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,6 +67,8 @@ impl Log {
     pub fn to_file(path: &Path, style: Style, continued: bool) -> Result<Self, Error> {
         let file = if continued { File::options().append(true).create(true).open(path) } else { File::create(path) };
         let file = file.map_err(|error| Error::new(path, error))?;
+        JSON.store(style == Style::Json, Ordering::Relaxed);
+        keep_descriptor(&file);
         Ok(Self { sink: Arc::new(Mutex::new(Sink { file: Some(file), terminal: Some(style), last_problem: None })) })
     }
 
@@ -92,3 +110,18 @@ impl Log {
         self.sink.lock().unwrap_or_else(PoisonError::into_inner).last_problem.take()
     }
 }
+
+/// Keeps a descriptor of its own of the log; that of the log before, of another run in this process, is closed.
+#[cfg(unix)]
+fn keep_descriptor(file: &File) {
+    use std::os::fd::{FromRawFd, IntoRawFd, OwnedFd};
+    let Ok(copy) = file.try_clone() else { return };
+    let before = DESCRIPTOR.swap(copy.into_raw_fd(), Ordering::Relaxed);
+    if before >= 0 {
+        // SAFETY: made by this function, and nobody else closes it.
+        drop(unsafe { OwnedFd::from_raw_fd(before) });
+    }
+}
+
+#[cfg(not(unix))]
+fn keep_descriptor(_file: &File) {}

@@ -85,7 +85,8 @@ pub fn method_name(method: scene::Method) -> &'static str {
 
 /// Runs a case with these participants, which are in the order of the case and bear its names. Tables go to `folder`.
 /// An error before the first step is returned; a later one ends the run and is part of the outcome, and so does
-/// `interrupted` turning true. Checkpoints are written as `schedule` says; with `from`, the run goes on there.
+/// `interrupted` turning true. Checkpoints are written as `schedule` says; with `from`, the run goes on there. The
+/// participants come back terminated: freeing them is left to whoever has written down the rest.
 pub fn run(
     case: &Case,
     participants: Vec<Box<dyn Participant>>,
@@ -94,7 +95,7 @@ pub fn run(
     from: Option<Checkpoint>,
     interrupted: &AtomicBool,
     progress: &mut Progress,
-) -> Result<Outcome, Error> {
+) -> Result<(Outcome, System), Error> {
     let begin = Instant::now();
     let mut system = prepare(case, participants)?;
     let parameters = parameters(case, &system);
@@ -172,7 +173,14 @@ impl Run {
     ) -> Result<Self, Error> {
         system.deserialise(&from.participants)?;
         let mut stepper = Stepper::new(parameters, &system)?;
+        let stood = from.memory.time();
         stepper.recall(from.memory);
+        if !stepper.clock().is_at(stood) {
+            let end = case.run.end;
+            let place = if stood > end { "beyond" } else { "within a step that is shorter or longer with" };
+            let reason = format!("the checkpoint stands at {stood} s, {place} run.end = {end} s; run without --resume");
+            return Err(record::Error::new(&schedule.path, reason).into());
+        }
         // Said already, and among the warnings of the checkpoint.
         stepper.take_warnings();
         let grid = Grid { start: case.start, interval: case.output.record_interval };
@@ -257,7 +265,8 @@ impl Run {
             self.record()?;
             self.look(progress)?;
             progress.update(self.stepper.clock().time(), &self.counts);
-            if self.schedule.due() {
+            // None at the end: its row need not be one of a run that goes on to a later end.
+            if self.schedule.due() && !self.stepper.clock().finished() {
                 self.write_checkpoint(progress);
             }
         }
@@ -327,7 +336,7 @@ impl Run {
         Ok(())
     }
 
-    fn finish(mut self, status: Status, error: Option<Error>, start: f64) -> Outcome {
+    fn finish(mut self, status: Status, error: Option<Error>, start: f64) -> (Outcome, System) {
         let flushed = self.iterations.check().map_err(Error::from);
         let ended = self.system.terminate().map_err(Error::from);
         self.stages.collect(&mut self.system);
@@ -335,7 +344,7 @@ impl Run {
         let late = flushed.and(ended).err();
         let status = if late.is_some() && status == Status::Complete { Status::Failed } else { status };
         let wall = self.wall();
-        Outcome {
+        let outcome = Outcome {
             status,
             error: error.or(late),
             simulated: self.stepper.clock().time() - start,
@@ -347,7 +356,8 @@ impl Run {
             findings: self.watch.memory().findings(),
             gain: self.watch.gain(),
             wall,
-        }
+        };
+        (outcome, self.system)
     }
 }
 

@@ -21,6 +21,7 @@ pub fn answer(line: Arguments) {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             tell(format_args!("error: standard output: {error}"));
+            crate::fmu::allow_exit();
             std::process::exit(1);
         }
         _ => {}

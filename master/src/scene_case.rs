@@ -1,7 +1,7 @@
 //! Turns a scene into a case: the fluid FMU and the structure FMU as far as the scene has them, connected by equal
 //! names, for the degrees of freedom that the scene has.
 
-use crate::case::{Case, Connection, Fmu};
+use crate::case::{Case, Connection, Fmu, Limits};
 use crate::watch::Reference;
 use components::{GAUGES, MAXIMUM_MODES, PROBES, REGIONS};
 use scene::{Coupling, Freedom, Method, Scene, Scheme};
@@ -57,6 +57,7 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
         watch: scene.watch.clone(),
         reference: Some(Reference::of(scene)),
         check: scene.check.clone(),
+        limits: Limits::default(),
     }
 }
 

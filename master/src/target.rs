@@ -74,6 +74,10 @@ fn locate(path: PathBuf, target: &str) -> Result<PathBuf, Box<dyn Error>> {
     if path.is_file() {
         return Ok(path);
     }
+    if path.exists() {
+        // A pipe or a device.
+        return Err(scene::read_text(&path).map_or_else(|error| error.to_string(), |_| String::new()).into());
+    }
     let folder = pack::scenes_folder()?;
     let scene = folder.join(format!("{target}.toml"));
     if scene.is_file() {

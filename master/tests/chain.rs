@@ -5,6 +5,7 @@
 use components::{FluidComponent, StructureComponent};
 use plimsoll::direct::DirectParticipant;
 use plimsoll::fmu::FmuParticipant;
+use plimsoll::folder::{RunFolder, Wish};
 use plimsoll::job::{Facts, Job};
 use plimsoll::log::Log;
 use plimsoll::participant::Participant;
@@ -26,11 +27,11 @@ const SCENE: &str = "title = 'small dam'\n[run]\nend = 0.02\ncommunication_step 
     density = 2500.0\nyoungs_modulus = 1e6\nmodes = 2\n\
     [[check]]\nname = 'tip'\nkind = 'series_maximum'\nvariable = 'structure.deflection.tip'\nunit = 'm'\n";
 
-fn job(folder: &Path) -> Job {
+fn job(folder: &Path, name: &str) -> Job {
     let path = folder.join("small.toml");
     std::fs::write(&path, SCENE).unwrap();
     let scene = Scene::from_file(&path).unwrap();
-    let out = folder.join("out");
+    let out = folder.join(name);
     let places = Places { scene: path, fmus: folder.join("fmus"), frames: out.join("frames") };
     let case = scene_case::case(&scene, &[], Some(1), &places);
     Job {
@@ -40,11 +41,13 @@ fn job(folder: &Path) -> Job {
         references: folder.to_path_buf(),
         facts: Facts::of(&scene),
         inputs: String::new(),
+        parquet: false,
     }
 }
 
 fn execute(job: &Job, participants: Vec<Box<dyn Participant>>) -> String {
-    job.prepare_folder(false).unwrap();
+    let folder = RunFolder::open(&job.folder).unwrap();
+    assert!(job.take_folder(&folder, Wish::default()).unwrap().is_none());
     let mut progress = Progress::new(0.0, 1.0, Style::Quiet);
     let (summary, _) = job.execute(participants, None, &AtomicBool::new(false), &mut progress).unwrap();
     assert_eq!((summary.status, summary.error), (Status::Complete, None));
@@ -56,7 +59,7 @@ fn execute(job: &Job, participants: Vec<Box<dyn Participant>>) -> String {
 #[test]
 fn fmus_and_components_in_process_give_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
-    let job = job(folder.path());
+    let (job, other) = (job(folder.path(), "fmus-run"), job(folder.path(), "in-process"));
     plimsoll::pack::pack(&folder.path().join("fmus"), 3).unwrap();
     let log = Log::default();
     let fmus = job
@@ -69,7 +72,7 @@ fn fmus_and_components_in_process_give_the_same_bits() {
         Box::new(DirectParticipant::<StructureComponent>::new("structure", 3, &log).unwrap()),
         Box::new(DirectParticipant::<FluidComponent>::new("fluid", 3, &log).unwrap()),
     ];
-    let in_process = execute(&job, direct);
+    let in_process = execute(&other, direct);
     assert!(through_the_abi == in_process);
     assert_eq!(in_process.lines().count(), 1 + 41);
     assert!(in_process.lines().next().unwrap().contains("structure.deflection.tip [m]"));

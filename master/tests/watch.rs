@@ -133,7 +133,7 @@ fn a_body_that_is_held_has_its_load_in_the_results() {
     let (output, _) = run(folder.path(), path.to_str().unwrap(), &[]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let mut table = csv::Reader::from_path(folder.path().join("out/results.csv")).unwrap();
-    let place = |name: &str| table.headers().unwrap().iter().position(|header| header.starts_with(name)).unwrap();
+    let mut place = |name: &str| table.headers().unwrap().iter().position(|header| header.starts_with(name)).unwrap();
     let places = [place("fluid.load.fx"), place("fluid.load.fy"), place("fluid.load.mz")];
     let area = 16.0 * 0.01 * (std::f64::consts::TAU / 32.0).sin();
     let buoyancy = 9810.0 * area;

@@ -212,6 +212,27 @@ def full_disks(bench):
         bench.check(what, refused(done, disk, "No space left") + torn(copy / "out"))
 
 
+def enlarged_disks(bench):
+    """A disk that was full is enlarged: the run goes on there, to the same results."""
+    mount = 'size=$1; disk=$2; copy=$3; shift 3; mount -t tmpfs -o "size=$size" none "$disk" || exit 99; '
+    twice = '"$@"; echo "first code $?"; mount -o remount,size=300m "$disk" || exit 98; "$@"; code=$?; '
+    enter = with_mounts(mount + twice + 'cp -r "$disk" "$copy"; exit $code')
+    tank = [*TANK, "--set", "run.end=6", "--set", "output.interval=0.02", "--set", "output.checkpoint_interval=0.02"]
+    whole = bench.new("whole")
+    bench.run("run", *tank, "--quiet", "--out", whole)
+    for size in ("500k", "2m", "5m"):
+        what = f"a disk of {size} is full, and then enlarged"
+        if enter is None:
+            bench.skip(what, "no mounts")
+            continue
+        disk, copy = bench.new("disk"), bench.new("copy")
+        disk.mkdir()
+        before = [*enter, "sh", size, str(disk), str(copy)]
+        done = bench.run("run", *tank, "--resume", "--quiet", "--out", disk / "out", before=before)
+        full = [] if "first code 1" in done.stdout else [f"it was not full: {done.stdout}"]
+        bench.check(what, full + good(done, copy / "out") + differing(copy / "out", whole))
+
+
 def limited_files(bench):
     out = bench.new("limited")
     process = bench.start(out, *TANK, *LONG)
@@ -248,7 +269,16 @@ def unwritable_results(bench):
         out = bench.new("taken")
         (out / name).mkdir(parents=True)
         done = bench.run("run", case, "--out", out)
-        bench.check(f"a folder in the place of {name}", refused(done, out / name, "directory"))
+        bench.check(f"a folder in the place of {name}", refused(done, out / name, "a directory that no run wrote"))
+    out = bench.new("thesis")
+    out.mkdir()
+    (out / "results.csv").write_text("mine")
+    done = bench.run("run", case, "--overwrite", "--out", out)
+    kept = [] if (out / "results.csv").read_text() == "mine" else ["the file is gone"]
+    bench.check("a file of somebody else among the results", refused(done, out / "results.csv", "no run wrote") + kept)
+    for folder, word in (("/", "the root"), (bench.folder.parent, "above the working directory")):
+        done = bench.run("run", case, "--out", folder, cwd=bench.folder)
+        bench.check(f"results into {word}", refused(done, folder, word))
     out = bench.new("read-only")
     out.mkdir()
     enter = with_mounts('mount --bind "$1" "$1" && mount -o remount,bind,ro "$1" || exit 99; shift; "$@"')
@@ -303,6 +333,37 @@ def broken_binaries(binary):
     return broken
 
 
+def special_files(bench):
+    """Pipes and devices in the place of files would be read for ever."""
+    pipe = bench.folder / "pipe.toml"
+    os.mkfifo(pipe)
+    done = bench.run("run", pipe, "--out", bench.new("pipe"))
+    bench.check("a pipe for a scene", refused(done, pipe, "named pipe"))
+    done = bench.run("run", "/dev/zero", "--out", bench.new("device"))
+    bench.check("a device for a scene", refused(done, "/dev/zero", "device"))
+    done = bench.run("run", bench.case("pipe-fmu", pipe), "--out", bench.new("pipe"))
+    bench.check("a pipe for an FMU", refused(done, pipe, "named pipe"))
+    check = "\n[[check]]\nname = 'c'\nkind = 'curve_rms'\nvariable = 'plate.deflection.tip'\n"
+    for what, file, word in (
+        ("a pipe for a reference", "reference.csv", "named pipe"),
+        ("a reference outside", "/etc/passwd", "lies outside the scene's folder"),
+    ):
+        case = bench.case("reference", bench.fmus / "structure.fmu")
+        case.write_text(case.read_text() + check + f"file = '{file}'\ncolumns = ['t', 'v']\n")
+        if not (bench.folder / "reference.csv").exists():
+            os.mkfifo(bench.folder / "reference.csv")
+        done = bench.run("run", case, "--out", bench.new("reference"))
+        bench.check(what, refused(done, file, word))
+    case.write_text(case.read_text() + "file_outside = true\n")
+    out = bench.new("allowed")
+    done = bench.run("run", case, "--out", out)
+    told = f"{done.stdout}{done.stderr}" + "".join(
+        path.read_text(errors="replace") for path in (out / "summary.json", out / "report.html", out / "summary.md")
+    )
+    leaks = [line for line in lines_of(Path("/etc/passwd")) if line in told]
+    bench.check("what stands in a reference is never said", good(done, out) + leaks)
+
+
 def broken_fmus(bench):
     whole = bench.fmus / "structure.fmu"
     library = "binaries/linux64/"
@@ -326,6 +387,15 @@ def broken_fmus(bench):
     change("half a description", "modelDescription", lambda old: old[:5000], "modelDescription.xml")
     change("FMI 3", "modelDescription", lambda old: old.replace(b'"2.0"', b'"3.0"'), "fmiVersion", "3.0")
     guid = lambda old: re.sub(rb'guid="[^"]*"', b'guid="{0}"', old)
+    for name in ("../structure", "/usr/lib/libm", "a/b"):
+        other = lambda old, name=name: re.sub(rb'modelIdentifier="[^"]*"', b'modelIdentifier="%s"' % name.encode(), old)
+        change(f"modelIdentifier {name.replace('/', '-')}", "modelDescription", other, "modelIdentifier", name)
+    bomb = bench.folder / "bomb.fmu"
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
+        with archive.open("resources/zeros", "w") as entry:
+            for _ in range(100):
+                entry.write(bytes(1 << 20))
+    refuse("100 MB in 100 kB", bomb, "limits.unpacked_ratio = 200")
     change("another GUID", "modelDescription", guid, "{0}")
     change("no binaries", library, lambda _: None, "no binaries")
     with zipfile.ZipFile(whole) as archive:
@@ -493,7 +563,16 @@ def signals(bench):
     problems = without_panic(done, -signal.SIGKILL) + rows(out, last_may_be_torn=True) + torn(out, parts=True)
     bench.check("SIGKILL in the middle", problems)
     done = bench.run("run", *TANK, *SHORT, "--quiet", "--out", out)
-    bench.check("the next run into the same folder", good(done, out))
+    said = [] if "was cut off before its end" in done.stderr else ["it is not said that the run before was cut off"]
+    bench.check("the next run into the same folder", good(done, out) + said)
+    done = bench.run("run", *TANK, *SHORT, "--quiet", "--out", out)
+    bench.check("and another one", refused(done, out, "holds a complete run") + rows(out))
+    out = bench.new("two")
+    process = bench.start(out, *TANK, *LONG)
+    done = bench.run("run", *TANK, *SHORT, "--overwrite", "--quiet", "--out", out)
+    bench.check("a second run into a folder at work", refused(done, out, f"process {process.pid}"))
+    process.send_signal(signal.SIGINT)
+    bench.check("and the first goes on", without_panic(Ended(process), 130) + rows(out))
 
 
 def killed(bench, *arguments):
@@ -547,18 +626,23 @@ def resumed_runs(bench):
     denser = ["--set", "fluid.density=1025"]
     refuse("another density", "checkpoint.bin", lambda path: None, "other inputs", extra=denser)
     taken = bench.new("taken")
-    (taken / "checkpoint.bin").mkdir(parents=True)
-    done = bench.run("run", *TANK, *SHORT, "--set", "output.checkpoint_interval=0.001", "--quiet", "--out", taken)
+    # Long enough for a checkpoint to be due, and late enough for its place to be taken first.
+    often = ["--set", "run.end=40", "--set", "output.checkpoint_interval=0.5"]
+    process = bench.start(taken, *TANK, *often)
+    (taken / "checkpoint.bin").mkdir()
+    done = Ended(process)
     said = [] if "no checkpoint" in done.stderr else ["it is not said"]
     bench.check("a run goes on when its checkpoint cannot be written", good(done, taken) + said)
 
 
 FAULTS = [
     full_disks,
+    enlarged_disks,
     limited_files,
     removed_folders,
     unwritable_results,
     changed_scenes,
+    special_files,
     broken_fmus,
     installed_programs,
     odd_paths,

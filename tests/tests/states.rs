@@ -113,6 +113,75 @@ fn foreign_and_damaged_bytes_are_refused() {
     assert_eq!(plate.step(0.0, STEP), Status::OK, "the instance is as before");
 }
 
+#[test]
+fn states_of_another_scene_are_refused_with_both_names() {
+    fn refused<C: Component>(name: &str, other: &str, overrides: &str, titles: [&str; 2]) {
+        let library = Library::load(name).unwrap();
+        let first = slave::<C>(&library);
+        assert_eq!(first.initialise(0.0), Status::OK, "{:?}", first.messages());
+        let state = first.save();
+        let bytes = first.bytes(&state);
+        let second = slave::<C>(&library);
+        assert_eq!((second.set_text(1, other), second.set_text(2, overrides)), (Status::OK, Status::OK));
+        assert_eq!(second.initialise(0.0), Status::OK, "{:?}", second.messages());
+        let before = bits::<C>(&second);
+        assert_eq!(second.from_bytes(&bytes).err(), Some(Status::ERROR));
+        assert_eq!(second.restore(&state), Status::ERROR);
+        for message in second.messages().iter().filter(|text| text.contains("the state belongs")) {
+            assert!(titles.iter().all(|title| message.contains(title)), "{message}");
+        }
+        assert_eq!(second.messages().iter().filter(|text| text.contains("the state belongs")).count(), 2);
+        assert_eq!(bits::<C>(&second), before);
+        assert_eq!(second.step(0.0, STEP), Status::OK, "the instance is as before: {:?}", second.messages());
+        assert_eq!(first.free(state), Status::OK);
+    }
+    // The titles in the scene files.
+    let (plate, tank) = ("'Dam break on an elastic plate'", "'Water at rest in a tank'");
+    refused::<FluidComponent>("fluid_fmu", "hydrostatic", "fluid.spacing=0.05", [plate, tank]);
+    refused::<StructureComponent>(
+        "structure_fmu",
+        "free_decay",
+        "",
+        [plate, "'Free decay of a clamped plate in vacuum'"],
+    );
+}
+
+/// Threads and the stop time are the importer's to say, and change no bits.
+#[test]
+fn a_state_goes_on_for_longer_and_on_other_threads() {
+    let begun = |overrides: &str, stop: f64| {
+        let mut instance = Instance::<FluidComponent>::new(DEFAULT_MODES, Some(root()), Logger::silent()).unwrap();
+        instance.set_string(&[1, 2], &["dam_break_plate", &format!("{OVERRIDES}; {overrides}")]).unwrap();
+        instance.setup_experiment(None, 0.0, Some(stop)).unwrap();
+        instance.enter_initialization_mode().unwrap();
+        instance.exit_initialization_mode().unwrap();
+        instance
+    };
+    let steps = |instance: &mut Instance<FluidComponent>, from: usize, to: usize| {
+        for n in from..to {
+            let (references, values) = inputs::<FluidComponent>(n);
+            instance.set_real(&references, &values).unwrap();
+            instance.do_step(n as f64 * STEP, STEP).unwrap();
+        }
+    };
+    let bytes = |instance: &mut Instance<FluidComponent>| {
+        let references = real_outputs(&FluidComponent::model(DEFAULT_MODES));
+        let mut values = vec![0.0; references.len()];
+        instance.get_real(&references, &mut values).unwrap();
+        values.iter().map(|value| value.to_bits()).collect::<Vec<_>>()
+    };
+    let mut whole = begun("fluid.threads=1", 4.0 * STEP);
+    steps(&mut whole, 0, 4);
+    let mut first = begun("fluid.threads=1", 2.0 * STEP);
+    steps(&mut first, 0, 2);
+    let saved = first.serialize(&first.get_state().unwrap()).unwrap();
+    let mut second = begun("fluid.threads=2; run.end=7", 4.0 * STEP);
+    let state = second.deserialize(&saved).unwrap();
+    second.set_state(&state).unwrap();
+    steps(&mut second, 2, 4);
+    assert_eq!(bytes(&mut second), bytes(&mut whole));
+}
+
 /// What the child process does: reads the state, goes on, writes the bits. Without the variables there is nothing to
 /// do.
 #[test]

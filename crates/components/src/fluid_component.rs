@@ -5,7 +5,7 @@ mod machinery;
 mod table;
 
 use crate::interface::{COORDINATES, LOAD_ACCELERATION, MotionValues, coordinate, finite};
-use crate::parameters::{HasSceneParameters, SceneParameters};
+use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
 use crate::{Error, LOAD, VELOCITY, conversion};
 use fluid::Observables;
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
@@ -256,16 +256,24 @@ impl Component for FluidComponent {
         checked.map_err(|error| refuse(&error))
     }
 
+    fn accept(&self, state: &State) -> Result<(), Failure> {
+        let (Some(machinery), Some(progress)) = (&self.machinery, &state.progress) else { return Ok(()) };
+        same_model(machinery.scene(), &progress.scene)
+    }
+
     fn restore(&mut self, state: &State) -> Result<(), Failure> {
         let common = state.parameters.common.restored(&self.state.parameters.common);
-        let parameters = Parameters { common, ..state.parameters.clone() };
+        // On how many threads an instance works is its own affair, once it has some.
+        let own = self.machinery.as_ref().map(|_| self.state.parameters.threads);
+        let threads = own.unwrap_or(state.parameters.threads);
+        let parameters = Parameters { common, threads, ..state.parameters.clone() };
         match &state.progress {
             None => self.machinery = None,
             Some(progress) => {
-                let same_parameters = self.state.parameters == parameters;
-                let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
-                if !(same_parameters && kept) {
-                    let scene = Arc::clone(&progress.scene);
+                let same_output = self.state.parameters.common.same_output(&parameters.common);
+                let kept = self.machinery.as_ref().filter(|machinery| machinery.fits(&progress.scene));
+                if kept.is_none() || !same_output {
+                    let scene = Arc::clone(kept.map_or(&progress.scene, Machinery::scene));
                     let machinery = Machinery::new(scene, self.modes, &parameters.common, progress.start);
                     self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
                 }
@@ -277,6 +285,9 @@ impl Component for FluidComponent {
         self.observed = OnceCell::new();
         self.state.clone_from(state);
         self.state.parameters = parameters;
+        if let (Some(machinery), Some(progress)) = (&self.machinery, &mut self.state.progress) {
+            progress.scene = Arc::clone(machinery.scene());
+        }
         Ok(())
     }
 

@@ -9,6 +9,7 @@ mod error;
 mod fluid_component;
 pub mod frames;
 mod interface;
+pub mod memory;
 mod parameters;
 mod quantities;
 mod scenes;

@@ -2,10 +2,11 @@
 
 use crate::frames::Series;
 use crate::{Error, find_scene};
-use fmi2::Variable;
+use fmi2::{Failure, Variable};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Zeros and empty texts mean "as the scene says".
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -44,6 +45,11 @@ impl SceneParameters {
         restored
     }
 
+    /// Whether frames go to the same place as often.
+    pub fn same_output(&self, other: &Self) -> bool {
+        (&self.output_directory, self.output_interval) == (&other.output_directory, other.output_interval)
+    }
+
     /// The frames of `field`, when some are to be written.
     pub fn series(&self, scene: &Scene, field: &'static str, start: f64) -> Result<Option<Series>, Error> {
         let given = self.output_interval;
@@ -53,6 +59,19 @@ impl SceneParameters {
         }
         Series::new(Path::new(&self.output_directory), field, start, interval).map(Some)
     }
+}
+
+/// Whether the state of one scene is a state of another.
+///
+/// # Errors
+/// Both names, and where the scenes differ.
+pub fn same_model(own: &Arc<Scene>, other: &Arc<Scene>) -> Result<(), Failure> {
+    if Arc::ptr_eq(own, other) {
+        return Ok(());
+    }
+    let Some(difference) = own.model_difference(other) else { return Ok(()) };
+    let (own, other) = (&own.title, &other.title);
+    Err(Failure::refused(format!("the state belongs to the scene '{other}', this instance has '{own}': {difference}")))
 }
 
 /// Rows of the table that choose the scene.

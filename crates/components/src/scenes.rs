@@ -31,7 +31,8 @@ fn locate(name: &str, resources: Option<&Path>) -> Result<PathBuf, Error> {
     }
     let is_path = name.contains(['/', '\\']) || path.extension().is_some();
     if is_path {
-        return Err(not_found("there is no such file".to_string()));
+        let other = path.exists().then(|| scene::check_file(path).err()).flatten();
+        return Err(not_found(other.unwrap_or_else(|| "there is no such file".to_string())));
     }
     let Some(resources) = resources else {
         return Err(not_found(

@@ -5,7 +5,7 @@ mod table;
 
 use crate::frames::{Field, Frame, Line, Series, single};
 use crate::interface::{COORDINATES, MotionValues, coordinate, mass_index};
-use crate::parameters::{HasSceneParameters, SceneParameters};
+use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
 use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion};
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::{Body, MAXIMUM_MODES, Motion, RIGID};
@@ -104,9 +104,9 @@ impl Machinery {
         Ok(Self { body, workspace: solver.workspace(), solver, series, scene })
     }
 
-    /// Whether this was made for an equal scene.
+    /// Whether this was made for a scene that is the same to the structure.
     fn fits(&self, scene: &Arc<Scene>) -> bool {
-        Arc::ptr_eq(&self.scene, scene) || self.scene == *scene
+        same_model(&self.scene, scene).is_ok()
     }
 
     /// Mean load of the step: what the fluid gives, and the constant load of the scene.
@@ -326,18 +326,23 @@ impl Component for StructureComponent {
         }
     }
 
+    fn accept(&self, state: &State) -> Result<(), Failure> {
+        let (Some(machinery), Some(progress)) = (&self.machinery, &state.progress) else { return Ok(()) };
+        same_model(&machinery.scene, &progress.scene)
+    }
+
     fn restore(&mut self, state: &State) -> Result<(), Failure> {
         let common = state.parameters.common.restored(&self.state.parameters.common);
         let parameters = Parameters { common, ..state.parameters.clone() };
         match &state.progress {
             None => self.machinery = None,
             Some(progress) => {
-                let same_output = self.state.parameters == parameters;
-                let kept = self.machinery.as_ref().is_some_and(|machinery| machinery.fits(&progress.scene));
-                if !(same_output && kept) {
-                    let fresh = parameters.common.series(&progress.scene, FIELD, progress.start);
-                    let machinery =
-                        fresh.and_then(|series| Machinery::new(Arc::clone(&progress.scene), self.modes, series));
+                let same_output = self.state.parameters.common.same_output(&parameters.common);
+                let kept = self.machinery.as_ref().filter(|machinery| machinery.fits(&progress.scene));
+                if kept.is_none() || !same_output {
+                    let scene = Arc::clone(kept.map_or(&progress.scene, |machinery| &machinery.scene));
+                    let fresh = parameters.common.series(&scene, FIELD, progress.start);
+                    let machinery = fresh.and_then(|series| Machinery::new(scene, self.modes, series));
                     self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
                 }
             }
@@ -348,6 +353,9 @@ impl Component for StructureComponent {
         }
         self.state.clone_from(state);
         self.state.parameters = parameters;
+        if let (Some(machinery), Some(progress)) = (&self.machinery, &mut self.state.progress) {
+            progress.scene = Arc::clone(&machinery.scene);
+        }
         Ok(())
     }
 

@@ -113,6 +113,11 @@ pub trait Component: Sized + 'static {
         Ok(())
     }
 
+    /// Refuses a state of another model, which another instance may have saved: one of another scene, for example.
+    fn accept(&self, _state: &Self::State) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// Goes back to a saved state, which may come from another instance or process. After a failure the component is as
     /// before.
     fn restore(&mut self, state: &Self::State) -> Result<(), Failure>;

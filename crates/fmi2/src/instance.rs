@@ -230,10 +230,17 @@ impl<C: Component> Instance<C> {
     /// fmi2SetFMUstate.
     pub fn set_state(&mut self, snapshot: &Snapshot<C::State>) -> Result<(), Failure> {
         self.allow(Function::SetFmuState)?;
+        self.component.accept(&snapshot.component)?;
         let result = self.component.restore(&snapshot.component).map_err(broken);
         self.note(result)?;
         self.mode = snapshot.mode;
-        self.experiment = Experiment { start: snapshot.start, stop: snapshot.stop, tolerance: snapshot.tolerance };
+        // How long it lasts is the importer's to say: one that goes on from an earlier run may go on for longer.
+        let stop = match (self.experiment.stop, snapshot.stop) {
+            (Some(own), Some(its)) => Some(own.max(its)),
+            (None, its) => its,
+            (Some(_), None) => None,
+        };
+        self.experiment = Experiment { start: snapshot.start, stop, tolerance: snapshot.tolerance };
         self.time = snapshot.time;
         self.stale = snapshot.mode == Mode::Initialization;
         Ok(())
@@ -251,6 +258,7 @@ impl<C: Component> Instance<C> {
         let snapshot = Snapshot::from_bytes(bytes, self.guid)?;
         snapshot.check_times()?;
         let refuse = |failure: Failure| Failure::refused(format!("serialised state: {}", failure.message));
+        self.component.accept(&snapshot.component).map_err(refuse)?;
         self.component.check(&snapshot.component).map_err(refuse)?;
         Ok(snapshot)
     }

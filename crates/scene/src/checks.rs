@@ -42,9 +42,12 @@ pub struct Check {
     /// Reference curve as points (time, value).
     #[serde(default)]
     pub points: Vec<Point>,
-    /// Reference file beside the scene.
+    /// Reference file, in the folder of the scene or below it.
     #[serde(default)]
     pub file: String,
+    /// Whether the reference file may lie outside the folder of the scene.
+    #[serde(default)]
+    pub file_outside: bool,
     /// Columns of that file: time, then value (for a band: mean, minimum, maximum).
     #[serde(default)]
     pub columns: Vec<String>,

@@ -9,8 +9,45 @@ use toml::{Table, Value};
 
 /// Reads a text file; the error names the path.
 pub fn read_text(path: &Path) -> Result<String, Error> {
-    std::fs::read_to_string(path)
-        .map_err(|error| Error::Read { path: path.display().to_string(), reason: error.to_string() })
+    let content = read_file(path)?;
+    String::from_utf8(content).map_err(|error| unreadable(path, format!("no UTF-8: {}", error.utf8_error())))
+}
+
+/// Reads a file. What is no file, and might give bytes without end or none for ever, is refused: a named pipe, a device.
+pub fn read_file(path: &Path) -> Result<Vec<u8>, Error> {
+    check_file(path)
+        .and_then(|()| std::fs::read(path).map_err(|error| error.to_string()))
+        .map_err(|it| unreadable(path, it))
+}
+
+/// Whether a path is that of a file, or of a link to one; the error says what else it is.
+pub fn check_file(path: &Path) -> Result<(), String> {
+    let kind = std::fs::metadata(path).map_err(|error| error.to_string())?.file_type();
+    if kind.is_file() {
+        return Ok(());
+    }
+    let found = if kind.is_dir() { "a directory" } else { special(kind) };
+    Err(format!("is {found}, expected a file"))
+}
+
+#[cfg(unix)]
+fn special(kind: std::fs::FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    match () {
+        () if kind.is_fifo() => "a named pipe",
+        () if kind.is_char_device() || kind.is_block_device() => "a device",
+        () if kind.is_socket() => "a socket",
+        () => "no file",
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_kind: std::fs::FileType) -> &'static str {
+    "no file"
+}
+
+fn unreadable(path: &Path, reason: String) -> Error {
+    Error::Read { path: path.display().to_string(), reason }
 }
 
 /// The name of a file in messages.

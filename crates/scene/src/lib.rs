@@ -9,12 +9,13 @@ mod error;
 mod instruments;
 mod lists;
 mod parse;
+mod sameness;
 mod structure;
 mod types;
 mod validate;
 
 pub use checks::{Check, CheckKind};
-pub use document::{file_name, from_toml, read_text};
+pub use document::{check_file, file_name, from_toml, read_file, read_text};
 pub use error::Error;
 pub use instruments::{Gauge, Probe, Region};
 pub use parse::parse_overrides;

@@ -206,6 +206,7 @@ impl Timed<'_> {
         let folder = &self.places.fmus;
         let mut progress = Progress::new(case.start, case.run.end, Style::Quiet);
         run::run(&case, participants, folder, Schedule::never(), None, stop, &mut progress)
+            .map(|(outcome, _)| outcome)
             .map_err(|error| error.to_string())
     }
 }

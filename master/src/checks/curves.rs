@@ -4,7 +4,7 @@ use super::series::{columns, interpolate};
 use super::{Figure, Points};
 use scene::{Check, CheckKind};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Share of its mean by which a band is also widened: the spread of published results is itself uncertain.
 const MARGIN: f64 = 0.1;
@@ -33,7 +33,7 @@ pub fn reference(check: &Check, folder: &Path) -> Result<Option<Reference>, Stri
     if check.columns.len() != wanted {
         return Err(format!("`columns` has {} names, expected {wanted}", check.columns.len()));
     }
-    let table = columns(&folder.join(&check.file), &check.columns)?;
+    let table = columns(&file(check, folder)?, &check.columns)?;
     in_order(table[0].iter().copied(), &check.file)?;
     let rows = 0..table[0].len();
     Ok(Some(if wanted == 4 {
@@ -56,6 +56,23 @@ fn in_order(times: impl Iterator<Item = f64>, name: &str) -> Result<(), String> 
         last = time;
     }
     Ok(())
+}
+
+/// The reference file of a check. A scene comes from anywhere: what lies outside its folder is none of its business.
+///
+/// # Errors
+/// A file that is not there, is no file, or lies outside, links followed, without `file_outside`.
+pub fn file(check: &Check, folder: &Path) -> Result<PathBuf, String> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let path = folder.join(&check.file);
+    let wrong = |reason: String| format!("{}: {reason}", path.display());
+    scene::check_file(&path).map_err(&wrong)?;
+    let real = |path: &Path| path.canonicalize().map_err(|error| wrong(error.to_string()));
+    if !check.file_outside && !real(&path)?.starts_with(real(folder)?) {
+        let reason = format!("lies outside the scene's folder, {}; file_outside = true allows it", folder.display());
+        return Err(wrong(reason));
+    }
+    Ok(path)
 }
 
 /// How the gaps at the points of a reference curve become one number.

@@ -9,7 +9,7 @@ use scene::{Check, CheckKind};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-pub use curves::{Reference, reference};
+pub use curves::{Reference, file, reference};
 pub(crate) use series::interpolate;
 
 /// What checks are computed from.
@@ -40,6 +40,19 @@ impl From<f64> for Figure {
     fn from(value: f64) -> Self {
         Self { value, ..Self::default() }
     }
+}
+
+/// Refuses checks whose reference files lie outside the scene's folder, before anything runs; one that is missing or cannot
+/// be read costs its own figure only.
+///
+/// # Errors
+/// The first such check.
+pub fn refuse_outside(checks: &[Check], folder: &Path) -> Result<(), String> {
+    let named = checks.iter().filter(|check| !check.file.is_empty());
+    for check in named.filter(|check| std::fs::exists(folder.join(&check.file)).unwrap_or(false)) {
+        file(check, folder).map_err(|reason| format!("check '{}': file = '{}': {reason}", check.name, check.file))?;
+    }
+    Ok(())
 }
 
 /// Computes all checks, by name. One that cannot be computed says why.

@@ -191,23 +191,22 @@ pub(crate) fn interpolate(points: &[(f64, f64)], time: f64) -> Option<f64> {
 /// Columns of a reference file by name: comma-separated, `#` starts a comment, the first row names the columns.
 pub(super) fn columns(path: &std::path::Path, names: &[String]) -> Result<Vec<Vec<f64>>, String> {
     let wrong = |reason: String| record::Error::new(path, reason).to_string();
+    scene::check_file(path).map_err(wrong)?;
     let reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_path(path);
     let mut reader = reader.map_err(|error| wrong(error.to_string()))?;
     let header = reader.headers().map_err(|error| wrong(error.to_string()))?.clone();
+    // What stands in the file never reaches a message: it may be any file.
     let place = |name: &String| {
-        let known = || header.iter().collect::<Vec<_>>().join(", ");
-        header
-            .iter()
-            .position(|column| column == name)
-            .ok_or_else(|| wrong(format!("no column '{name}' in {}", known())))
+        let found = header.iter().position(|column| column == name);
+        found.ok_or_else(|| wrong(format!("no column '{name}' among its {}", header.len())))
     };
     let places = names.iter().map(place).collect::<Result<Vec<_>, _>>()?;
     let mut columns = vec![Vec::new(); names.len()];
-    for row in reader.records() {
+    for (number, row) in reader.records().enumerate() {
         let row = row.map_err(|error| wrong(error.to_string()))?;
-        for (column, place) in columns.iter_mut().zip(&places) {
-            let text = row.get(*place).unwrap_or("");
-            column.push(text.parse::<f64>().map_err(|_| wrong(format!("'{text}' is no number")))?);
+        for ((column, place), name) in columns.iter_mut().zip(&places).zip(names) {
+            let value = row.get(*place).and_then(|text| text.parse::<f64>().ok());
+            column.push(value.ok_or_else(|| wrong(format!("row {}, column '{name}': no number", number + 1)))?);
         }
     }
     Ok(columns)

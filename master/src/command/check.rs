@@ -5,12 +5,13 @@ use crate::case::Case;
 use crate::report::{self, SetUp};
 use crate::target::Target;
 use crate::{answer, tell};
+use components::memory;
 use scene::Scene;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Memory of a run by particle, as measured (docs/benchmarks).
-const BYTES_PER_PARTICLE: usize = 950;
+/// Most particles that are drawn; of more, one in so many.
+const MOST_DRAWN: usize = 20_000;
 /// Processor time of a particle in an internal step \[s\], and what each coordinate of a structure that answers adds
 /// (docs/benchmarks; docs/validation).
 const STEP_SECONDS: f64 = 0.9e-6;
@@ -45,9 +46,11 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let scene = Scene::from_file_with(&target.path, &overrides)?;
+    memory::check_run(&scene)?;
     let (particles, warnings) = components::fluid_set_up(&scene)?;
     let (coordinates, structure) = components::structure_set_up(&scene)?;
-    let memory = (particles.len() * BYTES_PER_PARTICLE).div_ceil(1_000_000);
+    let bytes = memory::PROGRAM + particles.len() as f64 * memory::by_particle(&scene);
+    let memory = (bytes / 1e6).ceil();
     let count = particles.len();
     answer!("# {path}: valid; {count} particles (about {memory} MB), {coordinates} coordinates of the structure;");
     warnings.iter().for_each(|warning| tell!("warning: {warning}"));
@@ -67,10 +70,20 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
         std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
     report::prepare_font();
-    let picture = SetUp { scene: &scene, particles: &particles, structure: &structure }.draw(&stem)?;
+    let drawn = thinned(&particles);
+    let picture = SetUp { scene: &scene, particles: &drawn, structure: &structure }.draw(&stem)?;
+    if drawn.len() < count {
+        answer!("# {} of the {count} particles are drawn;", drawn.len());
+    }
     answer!("# drawn in {};", picture.display());
     answer!("# every number, defaults included:\n{}", toml::to_string(&scene)?);
     Ok(ExitCode::SUCCESS)
+}
+
+/// At most [`MOST_DRAWN`] of the particles, from everywhere alike.
+fn thinned(particles: &[[f32; 2]]) -> Vec<[f32; 2]> {
+    let every = particles.len().div_ceil(MOST_DRAWN).max(1);
+    particles.iter().step_by(every).copied().collect()
 }
 
 /// Steps and wall-clock seconds of a run: particles are taken to move as fast as water that falls from the highest to
@@ -102,5 +115,16 @@ fn duration(seconds: f64) -> String {
         ..120.0 => format!("{seconds:.0} s"),
         ..7200.0 => format!("{:.0} min", seconds / 60.0),
         _ => format!("{:.0} h", seconds / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_has_at_most_so_many_particles() {
+        let of = |count: usize| thinned(&vec![[0.0; 2]; count]).len();
+        assert_eq!((of(0), of(20_000), of(20_001), of(10_000_000)), (0, 20_000, 10_001, 20_000));
     }
 }

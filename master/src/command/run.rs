@@ -3,6 +3,7 @@
 use super::{Failure, INTERRUPTED, MISSED, watch_for_interruption};
 use crate::case::Case;
 use crate::fmu::FmuParticipant;
+use crate::folder::{RunFolder, Wish};
 use crate::job::{Facts, Job};
 use crate::log::Log;
 use crate::pack;
@@ -13,7 +14,7 @@ use crate::report::{Short, number};
 use crate::run::Outcome;
 use crate::scene_case::{self, Places};
 use crate::target::Target;
-use crate::{answer, tell};
+use crate::{answer, checks, fmu, tell};
 use scene::Scene;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -29,16 +30,20 @@ pub(crate) struct RunArguments {
     /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Folder for the results [default: results/NAME].
+    /// Folder for the results, of this run alone [default: results/NAME].
     #[arg(long)]
     pub(crate) out: Option<PathBuf>,
     /// Threads of the fluid; 0 takes all processors [default: as the scene says].
     #[arg(long)]
     pub(crate) threads: Option<usize>,
     /// Go on from the checkpoint in the folder for the results, if there is one, with the same bits as without the
-    /// stop.
+    /// stop; threads, checkpoint interval and end of the run may be others. Without a checkpoint it begins anew.
     #[arg(long)]
     pub(crate) resume: bool,
+    /// Replace a complete run in the folder for the results. Only files that its run.json lists are removed; a folder that
+    /// holds anything else is refused.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
     /// What is said on standard error.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) log: Style,
@@ -63,9 +68,16 @@ impl RunArguments {
 pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let target = find(arguments)?;
     if arguments.resume
+        && !arguments.overwrite
         && let Some(summary) = done(arguments, &target)?
     {
-        tell!("the run is complete already; without --resume it is done again");
+        let folder = arguments.folder(&target);
+        crate::folder::tidy(&folder)?;
+        tell!("the run in {} is complete already; --overwrite does it again", folder.display());
+        summary.missed.iter().for_each(|limit| tell!("warning: {limit}"));
+        if arguments.style() == Style::Bar {
+            answer!("report: {}", folder.join("report.html").display());
+        }
         return Ok(code(&summary));
     }
     let interrupted = watch_for_interruption(arguments.style())?;
@@ -73,15 +85,16 @@ pub(super) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     Ok(conclude(&summary, &folder, arguments))
 }
 
-/// The summary of the same run, by the same version, if it is complete in its folder.
+/// The summary of the same run, by the same version, if it is complete in its folder, its report with it.
 fn done(arguments: &RunArguments, target: &Target) -> Result<Option<Summary>, Failure> {
     let folder = arguments.folder(target);
-    let (Ok(summary), Some(recipe)) = (Summary::read(&folder.join("summary.json")), Recipe::read(&folder)?) else {
-        return Ok(None);
-    };
+    let Some(recipe) = Recipe::read(&folder)?.filter(Recipe::is_whole) else { return Ok(None) };
     let same = recipe.set == target.set && recipe.version == env!("CARGO_PKG_VERSION");
     let text = std::fs::read_to_string(Recipe::scene_in(&folder)).unwrap_or_default();
-    Ok(Some(summary).filter(|summary| summary.status == Status::Complete && same && text == target.text))
+    if !same || text != target.text {
+        return Ok(None);
+    }
+    Ok(Some(Summary::read(&folder.join("summary.json"))?))
 }
 
 /// Runs a scene or a case and writes everything about it into the folder that is returned.
@@ -103,49 +116,72 @@ fn execute_target(
     interrupted: &AtomicBool,
 ) -> Result<(Summary, Outcome, PathBuf), Failure> {
     let folder = arguments.folder(target);
-    let job =
-        if target.is_case() { case_job(target, folder, arguments)? } else { scene_job(target, folder, arguments)? };
-    let checkpoint = job.prepare_folder(arguments.resume)?;
-    if checkpoint.is_none() {
-        let recipe = Recipe::new(&job.name, &target.set, arguments.threads, &target.references, &job.case);
-        recipe.write(&job.folder, &target.text)?;
+    let (job, packing) = if target.is_case() {
+        (case_job(target, folder, arguments)?, None)
+    } else {
+        scene_job(target, folder, arguments)?
+    };
+    checks::refuse_outside(&job.case.check, &job.references)?;
+    let held = RunFolder::open(&job.folder)?;
+    let wish = Wish { resume: arguments.resume, overwrite: arguments.overwrite };
+    let checkpoint = job.take_folder(&held, wish)?;
+    if let Some(packing) = packing {
+        packing.pack(arguments.style())?;
     }
+    let mut recipe = Recipe::new(&job.name, &target.set, arguments.threads, &target.references, &job.case);
+    if let (Some(_), Some(begun)) = (&checkpoint, held.recipe()) {
+        recipe.go_on_with(begun);
+    }
+    recipe.write(&job.folder, &target.text)?;
     let style = arguments.style();
     let log = Log::to_file(&job.folder.join("log.txt"), style, checkpoint.is_some())?;
     let participants = participants(&job.case, &log)?;
+    let _watch = fmu::watch(job.case.limits.step_limit_seconds);
     if style == Style::Bar {
         tell!("{}: {} s", job.case.title, job.case.run.end);
     }
     let mut progress = Progress::new(job.case.start, job.case.run.end, style).logged(&log);
-    let (summary, outcome) = job.execute(participants, checkpoint, interrupted, &mut progress)?;
-    if arguments.parquet {
-        crate::record::write_parquet(&job.folder.join("results.parquet"), &outcome.series)?;
+    if let Some(note) = held.note() {
+        progress.warn(note);
     }
+    let (summary, outcome) = job.execute(participants, checkpoint, interrupted, &mut progress)?;
     Ok((summary, outcome, job.folder))
 }
 
-fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Result<Job, Failure> {
+/// FMUs that a run needs, not packed yet.
+struct Packing {
+    folder: PathBuf,
+    modes: usize,
+}
+
+impl Packing {
+    fn pack(&self, style: Style) -> Result<(), Failure> {
+        for packed in pack::pack_for_run(&self.folder, self.modes)? {
+            if packed.written && style == Style::Bar {
+                tell!("packed {}", packed.path.display());
+            }
+        }
+        Ok(())
+    }
+}
+
+fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Result<(Job, Option<Packing>), Failure> {
     let overrides = target.overrides()?;
     let scene = Scene::from_file_with(&target.path, &overrides)?;
+    components::memory::check_run(&scene)?;
     let modes = scene.modes().max(components::DEFAULT_MODES);
     let fmus = pack::fmus_folder(modes, &folder);
-    for packed in pack::pack_for_run(&fmus, modes)? {
-        if packed.written && arguments.style() == Style::Bar {
-            tell!("packed {}", packed.path.display());
-        }
-    }
     let frames = std::path::absolute(folder.join("frames"))?;
     if frames.to_str().is_none() {
         return Err(format!("{}: no UTF-8, which is all that an FMU takes for a path", frames.display()).into());
     }
+    let packing = Packing { folder: fmus.clone(), modes };
     let places = Places { scene: std::path::absolute(&target.path)?, fmus, frames };
     let case = scene_case::case(&scene, &overrides, arguments.threads, &places);
-    // Without places: a folder that was moved can be resumed where it is now.
-    let nowhere = Places { scene: "scene.toml".into(), fmus: "".into(), frames: "frames".into() };
-    let anywhere = scene_case::case(&scene, &overrides, arguments.threads, &nowhere);
-    let inputs = format!("{}\n{}", toml::to_string(&anywhere)?, target.text);
+    let inputs = toml::to_string(&scene.for_resuming())?;
     let (name, references) = (target.name.clone(), target.references.clone());
-    Ok(Job { name, case, folder, references, facts: Facts::of(&scene), inputs })
+    let (facts, parquet) = (Facts::of(&scene), arguments.parquet);
+    Ok((Job { name, case, folder, references, facts, inputs, parquet }, Some(packing)))
 }
 
 fn case_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Result<Job, Failure> {
@@ -164,15 +200,15 @@ fn case_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resul
             }
         }
     }
-    let inputs = toml::to_string(&case)?;
+    let inputs = toml::to_string(&case.for_resuming())?;
     let (name, references) = (target.name.clone(), target.references.clone());
-    Ok(Job { name, case, folder, references, facts: Facts::default(), inputs })
+    Ok(Job { name, case, folder, references, facts: Facts::default(), inputs, parquet: arguments.parquet })
 }
 
 fn participants(case: &Case, log: &Log) -> Result<Vec<Box<dyn Participant>>, Failure> {
     let mut participants: Vec<Box<dyn Participant>> = Vec::new();
     for fmu in &case.fmu {
-        participants.push(Box::new(FmuParticipant::load(&fmu.path, &fmu.name, log)?));
+        participants.push(Box::new(FmuParticipant::load_within(&fmu.path, &fmu.name, log, &case.limits)?));
     }
     Ok(participants)
 }

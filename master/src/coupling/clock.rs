@@ -65,6 +65,17 @@ impl Clock {
         self.tick >= self.steps * self.parts()
     }
 
+    /// Takes step and end of another clock of the same start. The time stays the same, or it is none of the other clock:
+    /// one beyond the end, or within a step that has another length there; [`Self::is_at`] tells.
+    pub fn end_with(&mut self, other: &Self) {
+        (self.end, self.step, self.steps) = (other.end, other.step, other.steps);
+    }
+
+    /// Whether the clock stands at `time` \[s\].
+    pub fn is_at(&self, time: f64) -> bool {
+        (self.time() - time).abs() <= SAME * self.step
+    }
+
     /// Whether the clock stands at a full communication point, and its number.
     pub fn point(&self) -> Option<u64> {
         self.tick.is_multiple_of(self.parts()).then_some(self.tick / self.parts())
@@ -190,6 +201,47 @@ mod tests {
             steps += 1;
         }
         assert_eq!((steps, clock.time(), clock.point()), (4, 1.0, Some(1)));
+    }
+
+    #[test]
+    fn another_end_changes_nothing_else() {
+        let mut clock = Clock::new(0.0, 1.0, 0.5, 0.25);
+        clock.advance();
+        clock.end_with(&Clock::new(0.0, 1.5, 0.5, 0.25));
+        clock.advance();
+        assert!(!clock.finished() && clock.is_at(1.0));
+        assert_eq!((clock.time(), clock.point(), clock.steps()), (1.0, Some(2), 3));
+        clock.end_with(&Clock::new(0.0, 0.5, 0.5, 0.25));
+        assert!(!clock.is_at(1.0), "it stands beyond the end");
+    }
+
+    #[test]
+    fn another_end_is_none_within_a_step_that_it_divides_otherwise() {
+        // 0.25 s lie within the last step of 0.1 s from 0.2 s to the end at 0.3 s.
+        let at = |end: f64| {
+            let mut clock = Clock::new(0.0, end, 0.1, 0.025);
+            clock.limit(0.05);
+            while clock.time() < 0.249 {
+                clock.advance();
+            }
+            clock
+        };
+        let goes_on = |from: f64, to: f64| {
+            let mut clock = at(from);
+            let stood = clock.time();
+            clock.end_with(&Clock::new(0.0, to, 0.1, 0.025));
+            clock.is_at(stood)
+        };
+        assert!(goes_on(1.0, 0.7) && goes_on(0.3, 1.0) && goes_on(0.28, 0.28));
+        assert!(!goes_on(1.0, 0.28) && !goes_on(0.28, 1.0) && !goes_on(1.0, 0.22));
+        // At a communication point any later end will do, a shorter last step or none.
+        let mut clock = Clock::new(0.0, 0.35, 0.1, 0.1);
+        (0..3).for_each(|_| clock.advance());
+        clock.end_with(&Clock::new(0.0, 0.37, 0.1, 0.1));
+        assert!(clock.is_at(0.3) && (clock.duration() - 0.07).abs() < 1e-12);
+        // Steps of one length only have another one.
+        clock.end_with(&Clock::new(0.0, 0.4, 0.08, 0.08));
+        assert!(!clock.is_at(0.3));
     }
 
     #[test]

@@ -64,6 +64,13 @@ pub struct Memory {
     amplification: f64,
 }
 
+impl Memory {
+    /// Where it stands \[s\].
+    pub fn time(&self) -> f64 {
+        self.clock.time()
+    }
+}
+
 /// Below this step an attempt that fails is not halved again.
 fn smallest_step(parameters: &Parameters, system: &System) -> f64 {
     let variable = system.descriptions().all(|(_, description)| description.variable_step);
@@ -146,9 +153,10 @@ impl Stepper {
         &self.memory
     }
 
-    /// Goes on where another stepper of the same parameters stood.
+    /// Goes on where another stepper of the same parameters stood; the end of the run may be another.
     pub fn recall(&mut self, memory: Memory) {
-        self.memory = memory;
+        let own = std::mem::replace(&mut self.memory, memory).clock;
+        self.memory.clock.end_with(&own);
     }
 
     /// What a user should know and was not told yet.

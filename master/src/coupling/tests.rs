@@ -321,7 +321,8 @@ fn infinity_stops_with_its_name() {
     let mut system = System::new(vec![Toy::boxed("gas", &[], &["v", "p"], vec![], rule)], &[]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("results.csv");
-    let mut results = crate::record::ResultWriter::create(&path, &system, &[], 0.0).unwrap();
+    let grid = crate::record::Grid { start: 0.0, interval: 0.0 };
+    let mut results = crate::record::ResultWriter::create(&path, &system, &[], grid).unwrap();
     results.record(&mut system, 0.0, false).unwrap();
     system.pass(0.0, 0.01, &[]).unwrap();
     let error = results.record(&mut system, 0.01, false).unwrap_err();

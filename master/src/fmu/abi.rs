@@ -1,7 +1,7 @@
 //! The C functions that are handed to an FMU; the types of the standard are in [`fmi2::ffi`].
 
 use fmi2::ffi::{Status, Text};
-use std::ffi::c_void;
+use std::ffi::{c_int, c_void};
 
 unsafe extern "C" {
     /// The shim in source/logger.c.
@@ -17,4 +17,8 @@ unsafe extern "C" {
     pub fn calloc(count: usize, size: usize) -> *mut c_void;
     /// The C library's.
     pub fn free(memory: *mut c_void);
+    /// The C library's; 0 when the function was taken.
+    pub fn atexit(function: extern "C" fn()) -> c_int;
+    /// The C library's: ends the process without further ado.
+    pub fn _exit(code: c_int) -> !;
 }

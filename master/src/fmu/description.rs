@@ -99,6 +99,7 @@ impl Model {
         }
         let co_simulation =
             root.co_simulation.ok_or("there is no CoSimulation element: this FMU is for model exchange only")?;
+        check_identifier(&co_simulation.identifier)?;
         let variables = root.variables.scalars.into_iter().map(|scalar| scalar.resolve(&root.types)).collect();
         Ok(Self {
             identifier: co_simulation.identifier,
@@ -112,6 +113,16 @@ impl Model {
             },
         })
     }
+}
+
+/// The name of a file in one folder: what leads elsewhere would load a library that is not the FMU's.
+fn check_identifier(name: &str) -> Result<(), String> {
+    let parts: Vec<_> = std::path::Path::new(name).components().collect();
+    let plain = matches!(parts[..], [std::path::Component::Normal(part)] if part == name);
+    if plain && !name.contains(['/', '\\', ':', '\0']) {
+        return Ok(());
+    }
+    Err(format!("modelIdentifier is '{name}', expected the name of a library, without folders"))
 }
 
 impl Scalar {
@@ -180,6 +191,11 @@ mod tests {
         assert!(version.contains("'3.0', expected '2.0'"), "{version}");
         let exchange = Model::parse(&XML.replace("CoSimulation", "ModelExchange")).unwrap_err();
         assert!(exchange.contains("model exchange only"), "{exchange}");
+        for name in ["", ".", "..", "../m", "/usr/lib/m", "a/b", "a/..", "..\\m", "C:m"] {
+            let xml = XML.replace("modelIdentifier=\"m\"", &format!("modelIdentifier=\"{name}\""));
+            let refused = Model::parse(&xml).unwrap_err();
+            assert!(refused.contains(&format!("modelIdentifier is '{name}'")), "{refused}");
+        }
         assert!(Model::parse("<a>").is_err());
     }
 }

@@ -3,7 +3,9 @@
 use super::abi;
 use super::library::{ByteFunctions, StateFunctions};
 use super::logger::Environment;
+use super::watch::{Inside, Watched};
 use super::{Archive, Error as FmuError, Library, Model};
+use crate::case::Limits;
 use crate::log::Log;
 use crate::participant::{Description, Error, Kind, Outcome, Participant, Value, Variable};
 use fmi2::ffi::{CallbackFunctions, Component, FALSE, FmuState, Status, TRUE, Type};
@@ -29,17 +31,28 @@ pub struct FmuParticipant {
     // Addresses of both are known to the FMU: they stay in place until the instance is freed.
     environment: Rc<Environment>,
     _callbacks: Rc<CallbackFunctions>,
-    // Last, so that the files outlive the library.
+    // After the library, so that the files outlive it.
     _archive: Archive,
+    // Last, so that the end of the library is watched too.
+    watched: Watched,
 }
 
 impl FmuParticipant {
     /// Unpacks, loads and instantiates the FMU at `path` under the name `name`.
     pub fn load(path: &Path, name: &str, log: &Log) -> Result<Self, FmuError> {
-        let archive = Archive::unpack(path)?;
+        Self::load_within(path, name, log, &Limits::default())
+    }
+
+    /// The same with limits of what the FMU may take.
+    pub fn load_within(path: &Path, name: &str, log: &Log, limits: &Limits) -> Result<Self, FmuError> {
+        let archive = Archive::unpack(path, limits)?;
         let model = Model::parse(&archive.description()?)
             .map_err(|reason| FmuError::Description { path: archive.path.clone(), reason })?;
-        let library = Library::load(&archive, &model.identifier, &model.description)?;
+        let watched = Watched::new(name);
+        let library = {
+            let _inside = watched.enter(&"loading its library", 0.0);
+            Library::load(&archive, &model.identifier, &model.description)?
+        };
         let environment = Rc::new(Environment { log: log.clone(), participant: name.to_string() });
         let callbacks = Rc::new(CallbackFunctions {
             logger: Some(abi::plimsoll_logger),
@@ -48,13 +61,31 @@ impl FmuParticipant {
             step_finished: None,
             component_environment: Rc::as_ptr(&environment).cast_mut().cast(),
         });
-        let component = instantiate(&library, &model, &archive, name, &callbacks);
+        let component = {
+            let _inside = watched.enter(&"fmi2Instantiate", 0.0);
+            instantiate(&library, &model, &archive, name, &callbacks)
+        };
         if component.is_null() {
             let message = log.take_problem().map_or_else(String::new, |text| format!(": {text}"));
             return Err(FmuError::Instantiate { path: archive.path, instance: name.to_string(), message });
         }
         let states = Vec::new();
-        Ok(Self { model, library, component, states, time: 0.0, environment, _callbacks: callbacks, _archive: archive })
+        Ok(Self {
+            model,
+            library,
+            component,
+            states,
+            time: 0.0,
+            environment,
+            _callbacks: callbacks,
+            _archive: archive,
+            watched,
+        })
+    }
+
+    /// Notes that a function of the FMU is called, until the value is dropped.
+    fn inside(&self, call: &'static &'static str) -> Inside {
+        self.watched.enter(call, self.time)
     }
 
     fn check(&self, action: impl FnOnce() -> String, status: Status) -> Result<(), Error> {
@@ -75,6 +106,7 @@ impl FmuParticipant {
     }
 
     fn get_one<T: Copy>(&self, get: Get<T>, variable: &Variable, mut value: T) -> Result<T, Error> {
+        let _inside = self.inside(&"fmi2Get");
         // SAFETY: one reference and room for one value of the type that the function writes.
         let status = unsafe { get(self.component, &raw const variable.reference, 1, &raw mut value) };
         self.check(|| format!("getting '{}'", variable.name), status)?;
@@ -82,6 +114,7 @@ impl FmuParticipant {
     }
 
     fn set_one<T>(&self, set: Set<T>, variable: &Variable, value: &T) -> Result<(), Error> {
+        let _inside = self.inside(&"fmi2Set");
         // SAFETY: one reference and one value of the type that the function reads.
         let status = unsafe { set(self.component, &raw const variable.reference, 1, value) };
         self.check(|| format!("setting '{}'", variable.name), status)
@@ -183,6 +216,7 @@ impl Participant for FmuParticipant {
 
     fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Result<(), Error> {
         debug_assert_eq!(references.len(), values.len());
+        let _inside = self.inside(&"fmi2SetReal");
         // SAFETY: both slices have the length given.
         let status =
             unsafe { (self.library.set_real)(self.component, references.as_ptr(), references.len(), values.as_ptr()) };
@@ -191,6 +225,7 @@ impl Participant for FmuParticipant {
 
     fn get_reals(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
         debug_assert_eq!(references.len(), values.len());
+        let _inside = self.inside(&"fmi2GetReal");
         // SAFETY: both slices have the length given.
         let status = unsafe {
             (self.library.get_real)(self.component, references.as_ptr(), references.len(), values.as_mut_ptr())
@@ -200,15 +235,19 @@ impl Participant for FmuParticipant {
 
     fn enter_initialisation(&mut self, start: f64, stop: f64) -> Result<(), Error> {
         self.time = start;
+        let inside = self.inside(&"fmi2SetupExperiment");
         // SAFETY: the instance is alive and in the state that the standard asks for.
         let status = unsafe { (self.library.setup_experiment)(self.component, FALSE, 0.0, start, TRUE, stop) };
         self.check(|| "fmi2SetupExperiment".to_string(), status)?;
+        drop(inside);
+        let _inside = self.inside(&"fmi2EnterInitializationMode");
         // SAFETY: as above.
         let status = unsafe { (self.library.enter_initialisation)(self.component) };
         self.check(|| "fmi2EnterInitializationMode".to_string(), status)
     }
 
     fn exit_initialisation(&mut self) -> Result<(), Error> {
+        let _inside = self.inside(&"fmi2ExitInitializationMode");
         // SAFETY: the instance is alive.
         let status = unsafe { (self.library.exit_initialisation)(self.component) };
         self.check(|| "fmi2ExitInitializationMode".to_string(), status)
@@ -216,6 +255,7 @@ impl Participant for FmuParticipant {
 
     fn step(&mut self, time: f64, duration: f64) -> Result<Outcome, Error> {
         self.time = time;
+        let _inside = self.inside(&"fmi2DoStep");
         // SAFETY: the instance is alive. States before this point may be restored, hence FALSE.
         let status = unsafe { (self.library.do_step)(self.component, time, duration, FALSE) };
         if status == Status::DISCARD || status == Status::ERROR {
@@ -231,6 +271,7 @@ impl Participant for FmuParticipant {
         if self.states.len() <= slot {
             self.states.resize(slot + 1, null_mut());
         }
+        let _inside = self.inside(&"fmi2GetFMUstate");
         // SAFETY: the handle is NULL or one that this instance gave and that was not freed.
         let status = unsafe { (functions.get)(self.component, &raw mut self.states[slot]) };
         self.check(|| "fmi2GetFMUstate".to_string(), status)
@@ -246,6 +287,7 @@ impl Participant for FmuParticipant {
                 hint: "; save one first".to_string(),
             });
         }
+        let _inside = self.inside(&"fmi2SetFMUstate");
         // SAFETY: the handle was given by this instance and not freed.
         let status = unsafe { (functions.set)(self.component, handle) };
         self.check(|| "fmi2SetFMUstate".to_string(), status)
@@ -255,6 +297,7 @@ impl Participant for FmuParticipant {
         let functions = self.byte_functions()?;
         self.save(AS_BYTES)?;
         let (handle, mut size) = (self.states[AS_BYTES], 0);
+        let _inside = self.inside(&"fmi2SerializeFMUstate");
         // SAFETY: the handle was just given by this instance.
         let status = unsafe { (functions.size)(self.component, handle, &raw mut size) };
         self.check(|| "fmi2SerializedFMUstateSize".to_string(), status)?;
@@ -268,16 +311,19 @@ impl Participant for FmuParticipant {
     fn deserialise(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let functions = self.byte_functions()?;
         self.states.resize(self.states.len().max(AS_BYTES + 1), null_mut());
+        let inside = self.inside(&"fmi2DeSerializeFMUstate");
         let handle = &raw mut self.states[AS_BYTES];
         // SAFETY: the buffer has the size given; the handle is NULL or one of this instance.
         let status = unsafe { (functions.deserialise)(self.component, bytes.as_ptr().cast(), bytes.len(), handle) };
         self.check(|| format!("fmi2DeSerializeFMUstate of {} bytes", bytes.len()), status)?;
+        drop(inside);
         self.restore(AS_BYTES)
     }
 
     fn release(&mut self) -> Result<(), Error> {
         let Some(functions) = self.library.states else { return Ok(()) };
         for mut handle in std::mem::take(&mut self.states) {
+            let _inside = self.inside(&"fmi2FreeFMUstate");
             // SAFETY: the handle is NULL or one that this instance gave; it is forgotten after this call.
             let status = unsafe { (functions.free)(self.component, &raw mut handle) };
             self.check(|| "fmi2FreeFMUstate".to_string(), status)?;
@@ -300,6 +346,7 @@ impl Participant for FmuParticipant {
                 hint: "; use the coupling method 'iqn_ils'".to_string(),
             });
         };
+        let _inside = self.inside(&"fmi2GetDirectionalDerivative");
         // SAFETY: the slices have the lengths given, the seed that of the knowns, the result that of the unknowns.
         let status = unsafe {
             derivative(
@@ -316,6 +363,7 @@ impl Participant for FmuParticipant {
     }
 
     fn terminate(&mut self) -> Result<(), Error> {
+        let _inside = self.inside(&"fmi2Terminate");
         // SAFETY: the instance is alive.
         let status = unsafe { (self.library.terminate)(self.component) };
         self.check(|| "fmi2Terminate".to_string(), status)
@@ -326,6 +374,7 @@ impl Drop for FmuParticipant {
     fn drop(&mut self) {
         // A failure to free has no remedy here; the message is in the log.
         let _ = self.release();
+        let _inside = self.inside(&"fmi2FreeInstance");
         // SAFETY: the instance was created by this library and is not used afterwards.
         unsafe { (self.library.free_instance)(self.component) };
     }

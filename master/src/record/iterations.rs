@@ -4,7 +4,6 @@ use super::Error;
 use crate::coupling::{IterationRow, Residual, StepReport};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Counts over a run.
@@ -41,7 +40,7 @@ impl IterationCounts {
 /// Writes the table.
 pub struct IterationWriter {
     path: PathBuf,
-    file: BufWriter<File>,
+    file: File,
     failure: Option<Error>,
 }
 
@@ -49,7 +48,7 @@ impl IterationWriter {
     /// Opens the table for iterated quantities with these names.
     pub fn create(path: &Path, names: &[String]) -> Result<Self, Error> {
         let file = File::create(path).map_err(|error| Error::new(path, error))?;
-        let mut writer = Self { path: path.to_path_buf(), file: BufWriter::new(file), failure: None };
+        let mut writer = Self { path: path.to_path_buf(), file, failure: None };
         let columns = names.iter().map(|name| format!(",{name} residual,{name} tolerance")).collect::<String>();
         writer.line(&format!("time [s],duration [s],iteration,converged{columns}"));
         writer.check()?;
@@ -58,13 +57,13 @@ impl IterationWriter {
 
     /// Goes on with a table after its first `mark` bytes.
     pub fn resume(path: &Path, mark: u64) -> Result<Self, Error> {
-        let file = BufWriter::new(super::reopen(path, mark)?);
+        let file = super::reopen(path, mark)?;
         Ok(Self { path: path.to_path_buf(), file, failure: None })
     }
 
-    /// Bytes of the table, after [`IterationWriter::check`].
+    /// Bytes of the table, all of them on the disk.
     pub fn mark(&self) -> Result<u64, Error> {
-        super::length(self.file.get_ref(), &self.path)
+        super::settled(&self.file, &self.path)
     }
 
     /// Writes one row; a failure is kept for [`IterationWriter::check`].
@@ -76,14 +75,13 @@ impl IterationWriter {
     }
 
     fn line(&mut self, line: &str) {
-        if let Err(error) = writeln!(self.file, "{line}") {
+        if let Err(error) = super::write_row(&mut self.file, line) {
             self.failure = Some(Error::new(&self.path, error));
         }
     }
 
-    /// Brings what was written to the disk; reports the last failure.
+    /// Reports the last failure.
     pub fn check(&mut self) -> Result<(), Error> {
-        self.file.flush().map_err(|error| Error::new(&self.path, error))?;
         self.failure.take().map_or(Ok(()), Err)
     }
 }

@@ -17,7 +17,7 @@ pub use summary::{CheckResult, CouplingSummary, Status, Summary};
 pub use whole::write_whole;
 
 use std::fs::{File, OpenOptions};
-use std::io::{Seek, SeekFrom};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 use thiserror::Error;
 
@@ -48,6 +48,24 @@ fn reopen(path: &Path, bytes: u64) -> Result<File, Error> {
     }
     file.set_len(bytes).and_then(|()| file.seek(SeekFrom::Start(bytes))).map_err(wrong)?;
     Ok(file)
+}
+
+/// Writes a row at once, past any buffer: a run that was cut off leaves whole rows, whoever ended it, and so does one
+/// that fills its disk.
+fn write_row(file: &mut File, row: &str) -> std::io::Result<()> {
+    let start = file.stream_position()?;
+    let written = file.write_all(format!("{row}\n").as_bytes());
+    if written.is_err() {
+        // Half a row would only trouble whoever reads the table of a failed run.
+        let _ = file.set_len(start).and_then(|()| file.seek(SeekFrom::Start(start)));
+    }
+    written
+}
+
+/// Bytes of a table, once all of them are on the disk: a checkpoint that counts them must not outlast them.
+fn settled(file: &File, path: &Path) -> Result<u64, Error> {
+    file.sync_data().map_err(|error| Error::new(path, error))?;
+    length(file, path)
 }
 
 fn length(file: &File, path: &Path) -> Result<u64, Error> {

@@ -2,6 +2,7 @@
 
 use super::{Error, write_whole};
 use crate::case::Case;
+use crate::folder::tables;
 use crate::machine::Circumstances;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -33,13 +34,20 @@ pub struct Recipe {
     pub date: String,
     /// Processor, processors, memory, operating system.
     pub machine: String,
+    /// Every file of the run, relative to its folder, listed before it is written; `*` stands for a number. Nothing else
+    /// is ever removed.
+    #[serde(default)]
+    pub files: Vec<String>,
+    /// When the last byte of the report of a run that reached its end was written, UTC.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub ended: Option<String>,
 }
 
 impl Recipe {
     /// The recipe of a run that begins now.
     pub fn new(name: &str, set: &[String], threads: Option<usize>, references: &Path, case: &Case) -> Self {
         let Circumstances { date, machine, command, .. } = Circumstances::here();
-        let checksum = |path: &Path| match std::fs::read(path) {
+        let checksum = |path: &Path| match scene::read_file(path) {
             Ok(bytes) => format!("{:08x}", crc32fast::hash(&bytes)),
             Err(error) => error.to_string(),
         };
@@ -53,7 +61,15 @@ impl Recipe {
             command,
             date,
             machine,
+            files: tables(),
+            ended: None,
         }
+    }
+
+    /// Takes over what a run that goes on has from its beginning.
+    pub fn go_on_with(&mut self, begun: &Self) {
+        self.date.clone_from(&begun.date);
+        self.files.clone_from(&begun.files);
     }
 
     /// Reads the recipe of the run in `folder`; none where no run left one.
@@ -66,10 +82,32 @@ impl Recipe {
         serde_json::from_str(&text).map(Some).map_err(|error| Error::new(&path, error))
     }
 
-    /// Writes the recipe and the text of the scene or case into `folder`.
+    /// Writes the recipe and the text of the scene or case into `folder`: the recipe first, since it lists the other.
     pub fn write(&self, folder: &Path, text: &str) -> Result<(), Error> {
-        let scene = Self::scene_in(folder);
-        write_whole(&scene, text)?;
+        self.store(folder)?;
+        write_whole(&Self::scene_in(folder), text)
+    }
+
+    /// Lists more files, which are about to be written into `folder`.
+    pub fn list(&mut self, folder: &Path, files: Vec<String>) -> Result<(), Error> {
+        self.files.extend(files);
+        self.files.sort();
+        self.files.dedup();
+        self.store(folder)
+    }
+
+    /// Notes that the run in `folder` is complete, its report with it.
+    pub fn end(&mut self, folder: &Path) -> Result<(), Error> {
+        self.ended = Some(Circumstances::here().date);
+        self.store(folder)
+    }
+
+    /// Whether the run is complete, its report with it.
+    pub fn is_whole(&self) -> bool {
+        self.ended.is_some()
+    }
+
+    fn store(&self, folder: &Path) -> Result<(), Error> {
         let path = folder.join(RECIPE);
         let json = serde_json::to_string_pretty(self).map_err(|error| Error::new(&path, error))?;
         write_whole(&path, json + "\n")

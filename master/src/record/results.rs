@@ -5,7 +5,6 @@ use crate::coupling::System;
 use crate::participant::{Causality, Kind, Variable};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Prefix of variables that hold wall-clock times: they go to the summary, since they differ from run to run.
@@ -81,9 +80,9 @@ impl ResultWriter {
         Ok(writer)
     }
 
-    /// Where the table stands; all rows are on their way to the disk.
+    /// Where the table stands; all rows are on the disk.
     pub fn mark(&self) -> Result<ResultMark, Error> {
-        let bytes = super::length(&self.file, &self.path)?;
+        let bytes = super::settled(&self.file, &self.path)?;
         Ok(ResultMark { bytes, next: self.next })
     }
 
@@ -115,7 +114,7 @@ impl ResultWriter {
     }
 
     fn line(&mut self, line: &str) -> Result<(), Error> {
-        write_row(&mut self.file, line).map_err(|error| Error::new(&self.path, error))
+        super::write_row(&mut self.file, line).map_err(|error| Error::new(&self.path, error))
     }
 
     /// Records the outputs at `time` \[s\] when a row is due or `force` is set.
@@ -136,17 +135,6 @@ impl ResultWriter {
     pub fn series(&self) -> &Series {
         &self.series
     }
-}
-
-/// Writes a row at once, past any buffer: an interrupted run leaves whole rows, and so does one that fills its disk.
-fn write_row(file: &mut File, row: &str) -> std::io::Result<()> {
-    let start = file.stream_position()?;
-    let written = file.write_all(format!("{row}\n").as_bytes());
-    if written.is_err() {
-        // Half a row would only trouble whoever reads the table of a failed run.
-        let _ = file.set_len(start).and_then(|()| file.seek(SeekFrom::Start(start)));
-    }
-    written
 }
 
 /// Shortest text that reads back as the same number.

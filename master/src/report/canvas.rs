@@ -20,11 +20,17 @@ pub struct Error {
     pub path: String,
     /// What failed.
     pub reason: String,
+    /// Whether the disk would not take it: drawn again it may be there.
+    pub unwritten: bool,
 }
 
 impl Error {
     pub(super) fn new(path: &Path, reason: impl ToString) -> Self {
-        Self { path: path.display().to_string(), reason: reason.to_string() }
+        Self { path: path.display().to_string(), reason: reason.to_string(), unwritten: false }
+    }
+
+    pub(super) fn unwritten(path: &Path, error: &std::io::Error) -> Self {
+        Self { unwritten: true, ..Self::new(path, error) }
     }
 }
 
@@ -43,7 +49,7 @@ pub(super) fn save(svg: &str, stem: &Path) -> Result<PathBuf, Error> {
         PathBuf::from(name)
     };
     let path = with(".svg");
-    write_whole(&path, svg.as_bytes()).map_err(|error| Error::new(&path, error))?;
+    write_whole(&path, svg.as_bytes()).map_err(|error| Error::unwritten(&path, &error))?;
     let path = with(".png");
     let mut options = usvg::Options { font_family: FAMILY.to_string(), ..usvg::Options::default() };
     let fonts = Arc::make_mut(&mut options.fontdb);
@@ -57,6 +63,6 @@ pub(super) fn save(svg: &str, stem: &Path) -> Result<PathBuf, Error> {
     image.fill(tiny_skia::Color::WHITE);
     resvg::render(&tree, tiny_skia::Transform::from_scale(SCALE, SCALE), &mut image.as_mut());
     let content = image.encode_png().map_err(|error| Error::new(&path, error))?;
-    write_whole(&path, &content).map_err(|error| Error::new(&path, error))?;
+    write_whole(&path, &content).map_err(|error| Error::unwritten(&path, &error))?;
     Ok(path)
 }

@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 const TIME: &str = "time [s]";
 /// File of the animation.
 pub(super) const MOVIE: &str = "movie.png";
+/// Files of the field at some moments and at the end.
+const FIELD: &str = "field";
+const LAST: &str = "field-last";
 /// Moments shown side by side.
 const MOMENTS: usize = 4;
 /// Most points of a reference that are drawn one by one; more are drawn as a line.
@@ -32,19 +35,30 @@ pub struct Pictures {
     pub failures: Vec<Error>,
 }
 
-/// Draws all pictures into `folder/plots`. Frames are looked for in `folder/frames`; reference files of checks in
-/// `references`. A picture that cannot be drawn does not keep the others from being drawn.
-pub fn draw_all(case: &Case, series: &Series, counts: &IterationCounts, folder: &Path, references: &Path) -> Pictures {
-    super::prepare_font();
-    let plots = folder.join("plots");
-    if let Err(error) = std::fs::create_dir_all(&plots) {
-        return Pictures { failures: vec![Error::new(&plots, error)], ..Pictures::default() };
-    }
+/// The charts of a run, by the names of their files: reference files of checks are looked for in `references`.
+pub fn charts(case: &Case, series: &Series, counts: &IterationCounts, references: &Path) -> Vec<(String, Chart)> {
     let mut charts: Vec<(String, Chart)> = Vec::new();
     charts.extend(case.check.iter().filter_map(|check| against_reference(check, series, references)));
     charts.extend(families(case, series));
     if counts.maximum > 1 {
         charts.push(("iterations".to_string(), iterations(counts)));
+    }
+    charts
+}
+
+/// Names, without extension, of all files that [`draw_all`] may write into `plots`.
+pub fn stems(charts: &[(String, Chart)]) -> Vec<String> {
+    let fields = [FIELD, LAST, MOVIE.trim_end_matches(".png")];
+    fields.iter().copied().chain(charts.iter().map(|(name, _)| name.as_str())).map(str::to_string).collect()
+}
+
+/// Draws all pictures into `folder/plots`. Frames are looked for in `folder/frames`. A picture that cannot be drawn does not
+/// keep the others from being drawn.
+pub fn draw_all(charts: Vec<(String, Chart)>, folder: &Path) -> Pictures {
+    super::prepare_font();
+    let plots = folder.join("plots");
+    if let Err(error) = std::fs::create_dir_all(&plots) {
+        return Pictures { failures: vec![Error::unwritten(&plots, &error)], ..Pictures::default() };
     }
     let mut drawn: Vec<Result<PathBuf, Error>> = pictures(&folder.join("frames"), &plots);
     drawn.extend(charts.iter().map(|(name, chart)| chart.draw(&plots.join(name))));
@@ -199,7 +213,7 @@ fn pictures(folder: &Path, plots: &Path) -> Vec<Result<PathBuf, Error>> {
         let panels = panels.map_err(|reason| Error::new(folder, reason))?;
         FieldFigure { panels, columns, ..FieldFigure::default() }.draw(&plots.join(name))
     };
-    let mut all = vec![draw(&moments(&times), 2, "field"), draw(&[*last], 1, "field-last")];
+    let mut all = vec![draw(&moments(&times), 2, FIELD), draw(&[*last], 1, LAST)];
     all.extend(movie(&fields, None, &plots.join(MOVIE)).transpose());
     all
 }

@@ -16,7 +16,7 @@ pub use canvas::{Error, prepare_font};
 pub use chart::{Band, Chart, Curve};
 pub use field::{FieldFigure, Panel, Quantity};
 pub(crate) use figures::MOST_MARKERS;
-pub use figures::{Pictures, draw_all};
+pub use figures::{Pictures, charts, draw_all, stems};
 pub use frames::{Fields, FrameEntry, frames};
 pub use log_chart::LogChart;
 pub use movie::{Window, movie};

@@ -58,7 +58,7 @@ pub fn movie(fields: &Fields, window: Option<Window>, path: &Path) -> Result<Opt
         writer.write_image_data(&image).map_err(wrong)?;
     }
     writer.finish().map_err(wrong)?;
-    write_whole(path, &content).map_err(|error| Error::new(path, error))?;
+    write_whole(path, &content).map_err(|error| Error::unwritten(path, &error))?;
     Ok(Some(path.to_path_buf()))
 }
 

@@ -55,9 +55,12 @@ pub struct Common {
     /// Threads of the fluid; 0 takes all processors.
     #[arg(long)]
     pub threads: Option<usize>,
-    /// Keep runs that are complete in the folder already.
+    /// Keep runs that are complete in the folder already, and go on with those that were stopped.
     #[arg(long)]
     pub keep: bool,
+    /// Do runs again that are complete in the folder already.
+    #[arg(long, conflicts_with = "keep")]
+    pub overwrite: bool,
     /// Folder for the runs and the report [default: results/reproduce_NAME].
     #[arg(long)]
     pub out: Option<PathBuf>,

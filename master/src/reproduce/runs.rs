@@ -4,7 +4,7 @@ use super::{
     CabinArguments, Common, Done, Model, PaperArguments, Reproduce, StudyArguments, cabin, notes, page, plate, study,
 };
 use crate::command::run::{RunArguments, execute};
-use crate::record::{Series, Status, Summary};
+use crate::record::{Recipe, Series, Status, Summary};
 use crate::report::html::{self, Failure};
 use crate::report::{Band, prepare_font};
 use crate::tell;
@@ -122,6 +122,7 @@ fn once(
     interrupted: &AtomicBool,
 ) -> Result<Option<Done>, Failure> {
     if common.keep
+        && Recipe::read(&out)?.is_some_and(|recipe| recipe.is_whole())
         && let Ok(done) = load(&out)
         && complete(&done)
     {
@@ -137,6 +138,7 @@ fn once(
         out: Some(out),
         threads: common.threads,
         resume: common.keep,
+        overwrite: common.overwrite,
         ..RunArguments::default()
     };
     let (summary, outcome, folder) = execute(&arguments, interrupted)?;

@@ -2,7 +2,7 @@
 
 use super::{GAUGES, PROBES, REGIONS, instruments};
 use crate::frames::{Field, Frame, Series, single, write_frame};
-use crate::parameters::SceneParameters;
+use crate::parameters::{SceneParameters, same_model};
 use crate::{Error, conversion};
 use fmi2::Failure;
 use nalgebra::Vector2;
@@ -37,9 +37,14 @@ impl Machinery {
         Ok(Self { workspace: RefCell::new(solver.workspace()), solver, series, warnings, scene })
     }
 
-    /// Whether this was made for an equal scene.
+    /// The scene that this was made for.
+    pub(super) fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// Whether this was made for a scene that is the same to the water.
     pub(super) fn fits(&self, scene: &Arc<Scene>) -> bool {
-        Arc::ptr_eq(&self.scene, scene) || self.scene == *scene
+        same_model(&self.scene, scene).is_ok()
     }
 
     /// Takes up the frames of an earlier process that a state at `time` follows.
@@ -98,6 +103,7 @@ pub(super) struct SetUp {
 
 /// The solver of a scene for an interface with this number of modes.
 pub(super) fn solver(scene: &Scene, modes: usize) -> Result<SetUp, Error> {
+    crate::memory::check_water(scene)?;
     let (numbers, geometry) = conversion::fluid(scene)?;
     let beam = scene.modes();
     within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
