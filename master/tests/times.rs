@@ -12,7 +12,13 @@ const CASE: &str = "start = START\n[run]\nend = 0.5\ncommunication_step = 0.03\n
 fn times(folder: &Path, target: &str, arguments: &[&str]) -> Vec<f64> {
     let out = folder.join("out");
     let mut command = Command::new(env!("CARGO_BIN_EXE_plimsoll"));
-    command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).args(["run", target, "--quiet", "--out"]);
+    command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).args([
+        "run",
+        target,
+        "--quiet",
+        "--overwrite",
+        "--out",
+    ]);
     let output = command.arg(&out).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let mut table = csv::Reader::from_path(out.join("results.csv")).unwrap();

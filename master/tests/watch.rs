@@ -14,7 +14,10 @@ const OPEN: &str = "title = 'open'\n[run]\nend = 0.8\ncommunication_step = 0.01\
 fn run(folder: &Path, target: &str, changes: &[&str]) -> (Output, Value) {
     let out = folder.join("out");
     let mut command = Command::new(env!("CARGO_BIN_EXE_plimsoll"));
-    command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).args(["run", target, "--quiet", "--out"]).arg(&out);
+    command
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+        .args(["run", target, "--quiet", "--overwrite", "--out"])
+        .arg(&out);
     let output = command.args(changes.iter().flat_map(|change| ["--set", change])).output().unwrap();
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     (output, serde_json::from_str(&summary).unwrap())
@@ -65,7 +68,8 @@ fn a_check_outside_its_limit_ends_with_its_own_code() {
     let mut again = Command::new(env!("CARGO_BIN_EXE_plimsoll"));
     let again = again.args(arguments).arg(folder.path().join("out")).output().unwrap();
     assert_eq!(again.status.code(), Some(3), "{}", String::from_utf8_lossy(&again.stderr));
-    assert!(String::from_utf8_lossy(&again.stderr).contains("complete already"));
+    let again = String::from_utf8_lossy(&again.stderr);
+    assert!(again.contains("complete already") && again.contains(&format!("warning: {text}")), "{again}");
 }
 
 /// An explicit exchange above a mass ratio of 1 feeds energy into water and piston before it fails.
