@@ -128,7 +128,7 @@ impl Case {
     /// Parses and validates the text of a case called `name`, with overrides (key path, TOML value).
     pub fn from_text(text: &str, name: &str, overrides: &[(String, String)]) -> Result<Self, Error> {
         let case: Self = scene::from_toml(text, name, overrides)?;
-        case.validate(name)?;
+        case.validate(name).map_err(|error| error.located(text, overrides))?;
         Ok(case)
     }
 

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Name of the file in a run's folder.
 pub const FILE_NAME: &str = "checkpoint.bin";
 /// First bytes of the file; the last ones count its format.
-const MAGIC: &[u8; 10] = b"PLIMSOLL-2";
+const MAGIC: &[u8; 10] = b"PLIMSOLL-3";
 
 /// Everything that a run carries from step to step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,19 +47,19 @@ impl Checkpoint {
         let wrong = |reason: &dyn ToString| Error::new(path, reason.to_string());
         let payload = postcard::to_stdvec(self).map_err(|error| wrong(&error))?;
         let checksum = crc32fast::hash(&payload).to_le_bytes();
-        write_lasting(path, &[&MAGIC[..], &checksum, &payload].concat()).map_err(|error| wrong(&error))
+        let length = (payload.len() as u64).to_le_bytes();
+        write_lasting(path, &[&MAGIC[..], &length, &checksum, &payload].concat()).map_err(|error| wrong(&error))
     }
 
     /// Reads a file and refuses one that is damaged, of another program, or of other inputs.
     pub fn read(path: &Path, inputs: &str) -> Result<Self, Error> {
         let refuse = |reason: String| Error::new(path, reason);
-        let bytes = std::fs::read(path).map_err(|error| refuse(error.to_string()))?;
-        let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
-            refuse("no checkpoint of this version: delete it, or run without --resume to begin anew".to_string())
-        })?;
+        let bytes = std::fs::read(path).map_err(|error| refuse(format!("the checkpoint cannot be read: {error}")))?;
         let damaged = |reason: String| refuse(format!("{reason}; run without --resume to begin anew"));
-        let (checksum, payload) =
-            rest.split_first_chunk::<4>().ok_or_else(|| damaged(format!("{} bytes only", bytes.len())))?;
+        if !bytes.starts_with(MAGIC) && !MAGIC.starts_with(&bytes) {
+            return Err(damaged("no checkpoint of this version".to_string()));
+        }
+        let (checksum, payload) = parts(&bytes).map_err(damaged)?;
         let (expected, got) = (u32::from_le_bytes(*checksum), crc32fast::hash(payload));
         if expected != got {
             return Err(damaged(format!("checksum {got:08x}, expected {expected:08x}: the file is damaged")));
@@ -87,6 +87,21 @@ pub fn remove(folder: &Path) -> Result<(), Error> {
         return Ok(());
     }
     std::fs::remove_file(&path).map_err(|error| Error::new(&path, error))
+}
+
+/// Checksum and payload of a file that begins as a checkpoint does; the error says how much of it lacks.
+fn parts(bytes: &[u8]) -> Result<(&[u8; 4], &[u8]), String> {
+    let got = bytes.len();
+    let short = |expected: String| format!("a truncated checkpoint: {got} bytes, expected {expected}");
+    let header = MAGIC.len() + size_of::<u64>() + size_of::<u32>();
+    let head = || short(format!("at least the {header} of its header"));
+    let (length, rest) = bytes.get(MAGIC.len()..).and_then(<[u8]>::split_first_chunk::<8>).ok_or_else(head)?;
+    let (checksum, payload) = rest.split_first_chunk::<4>().ok_or_else(head)?;
+    let expected = u64::from_le_bytes(*length).saturating_add(header as u64);
+    if (got as u64) < expected {
+        return Err(short(expected.to_string()));
+    }
+    Ok((checksum, payload))
 }
 
 /// The first line in which two texts differ.
@@ -156,10 +171,13 @@ mod tests {
             std::fs::write(&path, bytes).unwrap();
             Checkpoint::read(&path, "").unwrap_err().to_string()
         };
-        assert!(refused(b"").contains("no checkpoint of this version"));
-        assert!(refused(b"PLIMSOLL-2ab").contains("12 bytes only"));
-        assert!(refused(b"PLIMSOLL-2abcdrest").contains("the file is damaged"));
-        let mut empty = MAGIC.to_vec();
+        assert!(refused(b"PLIMSOLL-2abcd").contains("no checkpoint of this version"));
+        assert!(refused(b"").contains("a truncated checkpoint: 0 bytes, expected at least the 22 of its header"));
+        assert!(refused(b"PLIMSOLL-3ab").contains("a truncated checkpoint: 12 bytes"));
+        let with = |length: u64, rest: &[u8]| [&MAGIC[..], &length.to_le_bytes(), b"abcd", rest].concat();
+        assert!(refused(&with(100, b"rest")).contains("a truncated checkpoint: 26 bytes, expected 122"));
+        assert!(refused(&with(4, b"rest")).contains("the file is damaged"));
+        let mut empty = [&MAGIC[..], &0_u64.to_le_bytes()].concat();
         empty.extend(crc32fast::hash(b"").to_le_bytes());
         assert!(refused(&empty).contains("begin anew"));
     }

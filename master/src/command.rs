@@ -78,7 +78,8 @@ enum Command {
         #[arg(long)]
         out: Option<PathBuf>,
     },
-    /// Read a scene or a case, check it, draw it, and say what a run will take; nothing runs.
+    /// Read a scene or a case, check it as a run would, draw it, and say what a run will take: a few seconds are tried, and
+    /// nothing is kept.
     Check(CheckArguments),
     /// Write a commented scene to begin with.
     New(NewArguments),

@@ -1,7 +1,7 @@
 //! A component in process, without the C ABI: the same bits as its FMU, for tests and debugging.
 
 use crate::log::{Level, Log};
-use crate::participant::{Causality, Description, Error, Kind, Outcome, Participant, Value, Variable};
+use crate::participant::{self, Causality, Description, Error, Kind, Outcome, Participant, Value, Variable};
 use fmi2::{Access, Component, Failure, Instance, Logger, Model, Snapshot, Status};
 
 /// An instance of the component `C`.
@@ -58,10 +58,16 @@ fn describe<C: Component>(model: &Model<C>) -> Description {
         known.map_or_else(String::new, |simple| simple.unit.to_string())
     };
     let variable = |variable: &fmi2::Variable<C>| {
-        let (kind, unit) = match &variable.access {
-            Access::Real { simple_type, .. } => (Kind::Real, unit(*simple_type)),
-            Access::Integer { .. } => (Kind::Integer, String::new()),
-            Access::Text { .. } => (Kind::String, String::new()),
+        let [least, most] = participant::UNLIMITED;
+        let (kind, unit, range) = match &variable.access {
+            Access::Real { simple_type, minimum, maximum, .. } => {
+                (Kind::Real, unit(*simple_type), [minimum.unwrap_or(least), maximum.unwrap_or(most)])
+            }
+            Access::Integer { minimum, maximum, .. } => {
+                let range = [minimum.map_or(least, f64::from), maximum.map_or(most, f64::from)];
+                (Kind::Integer, String::new(), range)
+            }
+            Access::Text { .. } => (Kind::String, String::new(), participant::UNLIMITED),
         };
         let causality = match variable.causality {
             fmi2::Causality::Parameter => Causality::Parameter,
@@ -69,7 +75,7 @@ fn describe<C: Component>(model: &Model<C>) -> Description {
             fmi2::Causality::Output => Causality::Output,
         };
         let (name, description) = (variable.name.clone(), variable.description.clone());
-        Variable { name, reference: variable.reference, kind, causality, unit, description }
+        Variable { name, reference: variable.reference, kind, causality, unit, description, range }
     };
     Description {
         variables: model.variables.iter().map(variable).collect(),
@@ -135,14 +141,14 @@ impl<C: Component> Participant for DirectParticipant<C> {
     fn enter_initialisation(&mut self, start: f64, stop: f64) -> Result<(), Error> {
         self.time = start;
         let result = self.instance.setup_experiment(None, start, Some(stop));
-        self.check("setting up the experiment", result)?;
+        self.check("fmi2SetupExperiment", result)?;
         let result = self.instance.enter_initialization_mode();
-        self.check("entering initialisation", result)
+        self.check("fmi2EnterInitializationMode", result)
     }
 
     fn exit_initialisation(&mut self) -> Result<(), Error> {
         let result = self.instance.exit_initialization_mode();
-        self.check("leaving initialisation", result)
+        self.check("fmi2ExitInitializationMode", result)
     }
 
     fn step(&mut self, time: f64, duration: f64) -> Result<Outcome, Error> {

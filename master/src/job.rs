@@ -11,7 +11,7 @@ use crate::report::{self, Chart};
 use crate::run::{self, Outcome};
 use crate::tell;
 use scene::Scene;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// What a scene tells the report beyond its case.
@@ -27,8 +27,6 @@ pub struct Facts {
     pub source: String,
     /// What differs from the source.
     pub differs: String,
-    /// What a user should know before the run.
-    pub warnings: Vec<String>,
 }
 
 impl Facts {
@@ -42,7 +40,6 @@ impl Facts {
             water: fluid.map(|fluid| (fluid.density, gravity)),
             source: scene.source.clone(),
             differs: scene.differs.clone(),
-            warnings: crate::warnings::of_scene(scene),
         }
     }
 }
@@ -64,6 +61,15 @@ pub struct Job {
     pub inputs: String,
     /// Whether results.parquet is written.
     pub parquet: bool,
+    /// What a user should know before it runs.
+    pub warnings: Vec<String>,
+}
+
+/// What a user should know of a case before it runs, and of the scene that it was made from: said by a run and by a
+/// check of the set-up. Reference files are relative to `references`.
+pub fn warnings(case: &Case, scene: Option<&Scene>, references: &Path) -> Vec<String> {
+    let of_scene = scene.map_or_else(Vec::new, |scene| [scene.warnings(), crate::warnings::of_scene(scene)].concat());
+    of_scene.into_iter().chain(checks::warnings(&case.check, references)).collect()
 }
 
 impl Job {
@@ -91,11 +97,11 @@ impl Job {
         interrupted: &AtomicBool,
         progress: &mut Progress,
     ) -> Result<(Summary, Outcome), run::Error> {
+        self.warnings.iter().for_each(|warning| progress.warn(warning));
         let schedule = Schedule::new(&self.folder, self.case.output.checkpoint_interval, self.inputs.clone());
-        self.facts.warnings.iter().for_each(|warning| progress.warn(warning));
         let (mut outcome, system) =
             run::run(&self.case, participants, &self.folder, schedule, from, interrupted, progress)?;
-        outcome.warnings.splice(0..0, self.facts.warnings.iter().cloned());
+        outcome.warnings.splice(0..0, self.warnings.iter().cloned());
         progress.finish();
         let summary = self.conclude(&outcome).map_err(|error| match &outcome.error {
             // What ended the run matters more, and would be told by the summary only.

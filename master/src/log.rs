@@ -1,4 +1,5 @@
-//! Messages of the participants: all go to a file, warnings and errors also to the terminal.
+//! Messages of the participants: all go to a file, warnings and errors also to the terminal. An error that is quoted in
+//! what the program says itself is not told twice.
 
 use crate::progress::Style;
 use crate::record::Error;
@@ -57,6 +58,22 @@ struct Sink {
     file: Option<File>,
     terminal: Option<Style>,
     last_problem: Option<String>,
+    /// The line of an error that may still be quoted.
+    held: Option<String>,
+}
+
+impl Sink {
+    fn tell_held(&mut self) {
+        if let Some(line) = self.held.take() {
+            tell!("{line}");
+        }
+    }
+}
+
+impl Drop for Sink {
+    fn drop(&mut self) {
+        self.tell_held();
+    }
 }
 
 impl Log {
@@ -67,9 +84,19 @@ impl Log {
     pub fn to_file(path: &Path, style: Style, continued: bool) -> Result<Self, Error> {
         let file = if continued { File::options().append(true).create(true).open(path) } else { File::create(path) };
         let file = file.map_err(|error| Error::new(path, error))?;
-        JSON.store(style == Style::Json, Ordering::Relaxed);
         keep_descriptor(&file);
-        Ok(Self { sink: Arc::new(Mutex::new(Sink { file: Some(file), terminal: Some(style), last_problem: None })) })
+        Ok(Self::with(Some(file), style))
+    }
+
+    /// Writes warnings and errors to the terminal alone.
+    pub fn to_terminal(style: Style) -> Self {
+        Self::with(None, style)
+    }
+
+    fn with(file: Option<File>, style: Style) -> Self {
+        JSON.store(style == Style::Json, Ordering::Relaxed);
+        let sink = Sink { file, terminal: Some(style), last_problem: None, held: None };
+        Self { sink: Arc::new(Mutex::new(sink)) }
     }
 
     /// Records one message of a participant.
@@ -80,19 +107,19 @@ impl Log {
             // A full disk must not end the run; the results writer reports it.
             let _ = writeln!(file, "{line}");
         }
-        if level >= Level::Warning {
-            match sink.terminal {
-                Some(Style::Json) => tell!(
-                    "{}",
-                    json!({
-                        "event": "message", "participant": participant, "level": level.word(), "category": category,
-                        "text": text.trim_end(),
-                    })
-                ),
-                Some(_) => tell!("{line}"),
-                None => {}
-            }
-            sink.last_problem = Some(text.trim_end().to_string());
+        if level < Level::Warning {
+            return;
+        }
+        sink.tell_held();
+        sink.last_problem = Some(text.trim_end().to_string());
+        let Some(style) = sink.terminal else { return };
+        let event = json!({
+            "event": "message", "participant": participant, "level": level.word(), "category": category,
+            "text": text.trim_end(),
+        });
+        sink.held = Some(if style == Style::Json { event.to_string() } else { line });
+        if level == Level::Warning {
+            sink.tell_held();
         }
     }
 
@@ -107,7 +134,9 @@ impl Log {
 
     /// Takes the last warning or error, so that it can be quoted in the error it explains.
     pub fn take_problem(&self) -> Option<String> {
-        self.sink.lock().unwrap_or_else(PoisonError::into_inner).last_problem.take()
+        let mut sink = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
+        sink.held = None;
+        sink.last_problem.take()
     }
 }
 

@@ -3,6 +3,7 @@
 //! [`crate::fmu::FmuParticipant`] reaches a simulator through the C ABI of an FMU, [`crate::direct::DirectParticipant`]
 //! holds one in process. The coupling sees this trait alone.
 
+use digits::{rounded, six};
 use std::fmt;
 use thiserror::Error;
 
@@ -17,6 +18,18 @@ pub enum Kind {
     Boolean,
     /// UTF-8 text.
     String,
+}
+
+impl Kind {
+    /// What a variable of this type takes, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Real => "a number",
+            Self::Integer => "a whole number below 2^31",
+            Self::Boolean => "true or false",
+            Self::String => "a text",
+        }
+    }
 }
 
 /// A value with its type.
@@ -47,7 +60,7 @@ impl Value {
 impl fmt::Display for Value {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Real(value) => write!(formatter, "{value}"),
+            Self::Real(value) => write!(formatter, "{}", six(*value)),
             Self::Integer(value) => write!(formatter, "{value}"),
             Self::Boolean(value) => write!(formatter, "{value}"),
             Self::String(value) => write!(formatter, "'{value}'"),
@@ -68,6 +81,18 @@ pub enum Causality {
     Other,
 }
 
+impl Causality {
+    /// Its name in the standard.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Parameter => "parameter",
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Other => "local",
+        }
+    }
+}
+
 /// One variable of a participant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
@@ -83,7 +108,12 @@ pub struct Variable {
     pub unit: String,
     /// What it is.
     pub description: String,
+    /// Smallest and largest value that the participant declares; without limits infinite.
+    pub range: [f64; 2],
 }
+
+/// The range of a variable without limits.
+pub const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// What a participant offers.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -137,7 +167,7 @@ pub enum Outcome {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
     /// A call did not return OK.
-    #[error("{participant}: {action} at t = {time} s returned {status}{message}")]
+    #[error("{participant}: {action} at t = {} s returned {status}{}", six(*time), rounded(message))]
     Call {
         /// Name of the participant.
         participant: String,
@@ -161,7 +191,7 @@ pub enum Error {
         hint: String,
     },
     /// A value of the wrong type.
-    #[error("{participant}: variable '{variable}' is {expected:?}, got {got}")]
+    #[error("{participant}: variable '{variable}' takes {}, got {}", expected.words(), rounded(got))]
     WrongType {
         /// Name of the participant.
         participant: String,
@@ -171,6 +201,18 @@ pub enum Error {
         expected: Kind,
         /// Value given.
         got: String,
+    },
+    /// A value outside the range that the participant declares.
+    #[error("{participant}: variable '{variable}' = {}: expected {}", six(*got), words_of(*range))]
+    OutOfRange {
+        /// Name of the participant.
+        participant: String,
+        /// Name of the variable.
+        variable: String,
+        /// Value given.
+        got: f64,
+        /// Smallest and largest value allowed.
+        range: [f64; 2],
     },
     /// The participant lacks a capability that was asked for.
     #[error("{participant}: {capability} is needed, but the description does not offer it{hint}")]
@@ -182,6 +224,32 @@ pub enum Error {
         /// What to change.
         hint: String,
     },
+}
+
+/// A range in words.
+fn words_of([low, high]: [f64; 2]) -> String {
+    match (low.is_finite(), high.is_finite()) {
+        (true, false) => format!("at least {}, as its description declares", six(low)),
+        (false, true) => format!("at most {}, as its description declares", six(high)),
+        _ => format!("{} to {}, as its description declares", six(low), six(high)),
+    }
+}
+
+impl Variable {
+    /// Refuses a number outside the declared range.
+    pub fn allow(&self, participant: &str, value: &Value) -> Result<(), Error> {
+        let [low, high] = self.range;
+        match value.number() {
+            // What is no number is refused by the participant itself, which knows better what it takes.
+            Some(got) if got < low || got > high => Err(Error::OutOfRange {
+                participant: participant.to_string(),
+                variable: self.name.clone(),
+                got,
+                range: self.range,
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// A simulator that can be stepped. Values are SI; times in seconds.

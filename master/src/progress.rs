@@ -22,6 +22,9 @@ pub enum Style {
     Json,
     /// Warnings and errors only.
     Quiet,
+    /// Nothing, for trials.
+    #[value(skip)]
+    Silent,
 }
 
 /// Shows how far a run is and when it will be done.
@@ -90,6 +93,7 @@ impl Progress {
             log.note(text);
         }
         match self.style {
+            Style::Silent => {}
             Style::Json => self.line(&json!({ "event": "warning", "text": text })),
             _ => self.bar.suspend(|| tell!("warning: {text}")),
         }

@@ -8,6 +8,7 @@ use crate::progress::Progress;
 use crate::record::{self, CouplingSummary, Grid, IterationCounts, IterationWriter, ResultWriter, Series, Status};
 use crate::stages::Stages;
 use crate::watch::{self, Watch};
+use digits::six;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -31,6 +32,21 @@ pub enum Error {
     /// A file cannot be written.
     #[error(transparent)]
     Record(#[from] record::Error),
+    /// Something that a key of the case asks for cannot be.
+    #[error("{key}: {error}")]
+    Key {
+        /// Key path in the case file.
+        key: String,
+        /// What is wrong.
+        error: Box<Error>,
+    },
+}
+
+impl Error {
+    /// The same error with the key of the case file that asks for it.
+    fn of_key(self, key: String) -> Self {
+        Self::Key { key, error: Box::new(self) }
+    }
 }
 
 /// What a run gave, complete or not.
@@ -97,15 +113,13 @@ pub fn run(
     progress: &mut Progress,
 ) -> Result<(Outcome, System), Error> {
     let begin = Instant::now();
-    let mut system = prepare(case, participants)?;
+    let (system, warnings) = set_up(case, participants)?;
     let parameters = parameters(case, &system);
-    system.initialise(case.start, case.run.end)?;
     let mut run = match from {
         None => Run::begin(case, system, &parameters, folder, schedule, begin)?,
         Some(checkpoint) => Run::resume(case, system, &parameters, folder, schedule, begin, checkpoint)?,
     };
-    run.miss_variables(case, progress);
-    run.say_of_step(case, &parameters, progress);
+    warnings.into_iter().for_each(|warning| run.warn(warning, progress));
     let result = run.steps(interrupted, progress);
     let (status, error) = match result {
         Ok(status) => (status, None),
@@ -200,34 +214,6 @@ impl Run {
         })
     }
 
-    /// Checks of variables that no participant gives would be noticed at the end only.
-    fn miss_variables(&mut self, case: &Case, progress: &Progress) {
-        let columns = &self.results.series().columns;
-        let known = |name: &str| columns.iter().any(|column| column.name == name);
-        let missing = case.check.iter().filter(|check| !check.variable.is_empty() && !known(&check.variable));
-        let warning = |check: &scene::Check| {
-            let near = participant::nearest(&check.variable, columns.iter().map(|column| column.name.as_str()));
-            let hint = near.map_or_else(String::new, |name| format!("; the nearest name is '{name}'"));
-            format!("check '{}': this run has no variable '{}'{hint}", check.name, check.variable)
-        };
-        let warnings: Vec<String> = missing.map(warning).collect();
-        warnings.into_iter().for_each(|warning| self.warn(warning, progress));
-    }
-
-    /// Says that another step is taken than the one asked for.
-    fn say_of_step(&mut self, case: &Case, parameters: &Parameters, progress: &Progress) {
-        let (asked, step) = (case.run.communication_step, parameters.step);
-        let Some(name) = fixed_step(&self.system).filter(|_| step != asked).map(str::to_string) else { return };
-        let (start, end) = (case.start, case.run.end);
-        self.warn(
-            format!(
-                "run.end = {end}: no multiple of run.communication_step = {asked} s from the start at {start} s, and {name} \
-                 knows steps of one length only: the step is {step} s"
-            ),
-            progress,
-        );
-    }
-
     /// A warning, unless it was given before.
     fn warn(&mut self, warning: String, progress: &Progress) {
         if !self.warnings.contains(&warning) {
@@ -294,7 +280,7 @@ impl Run {
         let start = Instant::now();
         let written = self.checkpoint().and_then(|checkpoint| Ok(checkpoint.write(&self.schedule.path)?));
         if let Err(error) = written {
-            let warning = format!("no checkpoint at t = {} s: {error}", self.stepper.clock().time());
+            let warning = format!("no checkpoint at t = {} s: {error}", six(self.stepper.clock().time()));
             progress.warn(&warning);
             self.warnings.push(warning);
         }
@@ -379,18 +365,60 @@ fn parameters(case: &Case, system: &System) -> Parameters {
     }
 }
 
+/// All that comes before the first step, and what a user should know then: what this refuses, a run refuses. The
+/// participants are in the order of the case and bear its names.
+///
+/// # Errors
+/// A parameter, connection, step limit or start that cannot be, with its key in the case file.
+pub fn set_up(case: &Case, participants: Vec<Box<dyn Participant>>) -> Result<(System, Vec<String>), Error> {
+    let mut system = prepare(case, participants)?;
+    system.initialise(case.start, case.run.end)?;
+    let parameters = parameters(case, &system);
+    Stepper::new(&parameters, &system)?;
+    if let Some((participant, variable)) = case.step_limit() {
+        let read = system.read(&participant, &variable, case.start);
+        read.map_err(|error| Error::from(error).of_key("step_limit".to_string()))?;
+    }
+    let mut warnings = missing_variables(case, &system);
+    warnings.extend(another_step(case, &system, parameters.step));
+    Ok((system, warnings))
+}
+
+/// Checks of variables that no participant gives would be noticed at the end only.
+fn missing_variables(case: &Case, system: &System) -> Vec<String> {
+    let columns = record::recorded(system, &case.exclude);
+    let names = || columns.iter().flatten().map(|(name, _)| name.as_str());
+    let asked = case.check.iter().filter(|check| !check.variable.is_empty());
+    let missing = asked.filter(|check| !names().any(|name| name == check.variable));
+    missing
+        .map(|check| {
+            let near = participant::nearest(&check.variable, names());
+            let hint = near.map_or_else(String::new, |name| format!("; the nearest name is '{name}'"));
+            format!("check '{}': this run has no variable '{}'{hint}", check.name, check.variable)
+        })
+        .collect()
+}
+
+/// What to say where another step is taken than the one asked for \[s\].
+fn another_step(case: &Case, system: &System, step: f64) -> Option<String> {
+    let (start, end, asked) = (case.start, case.run.end, case.run.communication_step);
+    let name = fixed_step(system).filter(|_| step != asked)?;
+    Some(format!(
+        "run.end = {}: no multiple of run.communication_step = {} s from the start at {} s, and {name} knows steps of one \
+         length only: the step is {} s",
+        six(end),
+        six(asked),
+        six(start),
+        six(step)
+    ))
+}
+
 /// Sets parameters and connects.
 fn prepare(case: &Case, mut participants: Vec<Box<dyn Participant>>) -> Result<System, Error> {
-    for (participant, fmu) in participants.iter_mut().zip(&case.fmu) {
+    for (index, (participant, fmu)) in participants.iter_mut().zip(&case.fmu).enumerate() {
         for (name, value) in &fmu.parameters {
-            let variable = participant.description().variable(participant.name(), name)?.clone();
-            let value = typed(value, variable.kind).ok_or_else(|| participant::Error::WrongType {
-                participant: participant.name().to_string(),
-                variable: name.clone(),
-                expected: variable.kind,
-                got: value.to_string(),
-            })?;
-            participant.set(&variable, &value)?;
+            set(participant.as_mut(), name, value)
+                .map_err(|error| Error::from(error).of_key(format!("fmu.{index}.parameters.{name}")))?;
         }
     }
     let ends = case.ends().map_err(|(key, got)| case::Error::Range {
@@ -399,8 +427,25 @@ fn prepare(case: &Case, mut participants: Vec<Box<dyn Participant>>) -> Result<S
         got,
         expected: "fmu.variable".to_string(),
     })?;
-    let connections: Vec<Connection> = ends.into_iter().map(|(from, to)| Connection { from, to }).collect();
-    Ok(System::new(participants, &connections)?)
+    let mut system = System::new(participants, &[])?;
+    for (index, (from, to)) in ends.into_iter().enumerate() {
+        let made = system.connect(&Connection { from, to });
+        made.map_err(|error| Error::from(error).of_key(format!("connection.{index}")))?;
+    }
+    Ok(system)
+}
+
+/// Sets a parameter that a case file gives.
+fn set(participant: &mut dyn Participant, name: &str, given: &toml::Value) -> Result<(), participant::Error> {
+    let variable = participant.description().variable(participant.name(), name)?.clone();
+    let value = typed(given, variable.kind).ok_or_else(|| participant::Error::WrongType {
+        participant: participant.name().to_string(),
+        variable: name.to_string(),
+        expected: variable.kind,
+        got: given.to_string(),
+    })?;
+    variable.allow(participant.name(), &value)?;
+    participant.set(&variable, &value)
 }
 
 /// A value of a case file for a variable of this type. Any whole number will do for a real variable; only one of 32 bits

@@ -209,9 +209,13 @@ fn labels(scene: &Scene) -> BTreeMap<String, String> {
     probes.chain(regions).chain(gauges).collect()
 }
 
-/// Whether the text of a file is a case rather than a scene.
+/// Whether the text of a file is a case rather than a scene: it lists FMUs, in whichever way. Text that is no TOML is
+/// taken for what its lines look like, so that the right reader says what is wrong.
 pub fn is_case(text: &str) -> bool {
-    text.lines().any(|line| line.trim_start().starts_with("[[fmu]]"))
+    match text.parse::<toml::Table>() {
+        Ok(table) => table.contains_key("fmu"),
+        Err(_) => text.lines().any(|line| line.trim_start().starts_with("[[fmu]]")),
+    }
 }
 
 /// Name of a scene file without folder and extension.
@@ -252,6 +256,13 @@ mod tests {
         assert!(!excluded("fluid.load.fx") && excluded("fluid.load.q[3]"));
         assert!(excluded("fluid.probe.pressure[5]") && !excluded("fluid.probe.pressure[4]"));
         assert_eq!(case.labels["fluid.probe.pressure[3]"], "line, 2");
+    }
+
+    #[test]
+    fn a_case_lists_fmus_in_whichever_way() {
+        assert!(is_case("[[fmu]]\nname = 'a'") && is_case("fmu = [{ name = 'a', path = 'a.fmu' }]"));
+        assert!(is_case("[[ fmu ]]\nname = 'a'") && is_case("[[fmu]]\nname = "));
+        assert!(!is_case(SCENE) && !is_case("title = '[[fmu]]'") && !is_case("x = "));
     }
 
     #[test]

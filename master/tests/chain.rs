@@ -42,6 +42,7 @@ fn job(folder: &Path, name: &str) -> Job {
         facts: Facts::of(&scene),
         inputs: String::new(),
         parquet: false,
+        warnings: Vec::new(),
     }
 }
 

@@ -72,7 +72,7 @@ pub fn structure(scene: &Scene) -> Result<structure::Parameters, Error> {
     if scene.gravity[0] != 0.0 || scene.gravity[1] > 0.0 {
         return Err(Error::Value {
             key: "gravity".to_string(),
-            got: format!("{:?}", scene.gravity),
+            got: digits::list(&scene.gravity),
             expected: "[0, -g] in a scene with a structure: its weight acts along -Y".to_string(),
         });
     }
@@ -140,7 +140,7 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
     if shaking.amplitude != Vector2::zeros() && scene.structure.is_some() {
         return Err(Error::Value {
             key: "fluid.shaking.amplitude".to_string(),
-            got: format!("{:?}", part.shaking.amplitude),
+            got: digits::list(&part.shaking.amplitude),
             expected: "[0.0, 0.0] in a scene with a structure: only water would feel the shaking".to_string(),
         });
     }

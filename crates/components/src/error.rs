@@ -13,6 +13,14 @@ pub enum Error {
         /// Where was looked, and what there is.
         reason: String,
     },
+    /// A scene of which something cannot be used, with its file.
+    #[error("{scene}: {error}")]
+    InScene {
+        /// Name or path of the scene, as given.
+        scene: String,
+        /// What is wrong.
+        error: Box<Error>,
+    },
     /// The scene file is wrong.
     #[error(transparent)]
     Scene(#[from] scene::Error),
@@ -37,7 +45,7 @@ pub enum Error {
         hint: &'static str,
     },
     /// A value that this component cannot use.
-    #[error("{key} = {got}: expected {expected}")]
+    #[error("{key} = {}: expected {}", digits::rounded(got), digits::rounded(expected))]
     Value {
         /// Key in the scene or name of the parameter.
         key: String,
@@ -63,4 +71,16 @@ pub enum Error {
         /// What the system or the library said.
         reason: String,
     },
+}
+
+impl Error {
+    /// The same error with the scene that it is about, unless it names one itself.
+    #[must_use]
+    pub fn in_scene(self, scene: &str) -> Self {
+        match self {
+            Self::SceneNotFound { .. } | Self::Scene(_) | Self::InScene { .. } | Self::Frame { .. } => self,
+            error if scene.is_empty() => error,
+            error => Self::InScene { scene: scene.to_string(), error: Box::new(error) },
+        }
+    }
 }

@@ -196,7 +196,9 @@ impl Component for FluidComponent {
     }
 
     fn initialise(&mut self, experiment: &Experiment, log: &Logger) -> Result<(), Failure> {
-        self.prepare(experiment.start).map_err(|error| Failure::broken(error.to_string()))?;
+        let result = self.prepare(experiment.start);
+        let wrong = |error: Error| error.in_scene(&self.state.parameters.common.scene_file());
+        result.map_err(|error| Failure::broken(wrong(error).to_string()))?;
         self.machinery.iter().flat_map(|machinery| &machinery.warnings).for_each(|warning| log.warning(warning));
         if let Some(progress) = &self.state.progress {
             let count = progress.state.positions.len();

@@ -210,9 +210,7 @@ fn replace(path: &Path, content: &[u8], settle: impl Fn(&File) -> io::Result<()>
 
 /// Writes one frame as a .vtu file.
 pub fn write_frame(path: &Path, frame: Frame) -> Result<(), Error> {
-    let file = grid(frame)
-        .try_into_xml_format(Compressor::ZLib, COMPRESSION)
-        .map_err(|error| failed(path, &format!("{error:?}")))?;
+    let file = grid(frame).try_into_xml_format(Compressor::ZLib, COMPRESSION).map_err(|error| failed(path, &error))?;
     // Through memory: the library's export to a file drops its last buffer without looking whether it could be written.
     let mut content = Vec::new();
     file.write(&mut content).map_err(|error| failed(path, &error))?;

@@ -30,6 +30,11 @@ pub trait HasSceneParameters {
 }
 
 impl SceneParameters {
+    /// The scene's name, or the name of its file without folders, for messages.
+    pub fn scene_file(&self) -> String {
+        scene::file_name(Path::new(&self.scene))
+    }
+
     /// The scene with its overrides.
     pub fn find_scene(&self, resources: Option<&Path>) -> Result<Scene, Error> {
         find_scene(&self.scene, &self.overrides, resources)

@@ -285,7 +285,9 @@ impl Component for StructureComponent {
     }
 
     fn initialise(&mut self, experiment: &Experiment, log: &Logger) -> Result<(), Failure> {
-        self.prepare(experiment.start).map_err(|error| Failure::broken(error.to_string()))?;
+        let result = self.prepare(experiment.start);
+        let wrong = |error: Error| error.in_scene(&self.state.parameters.common.scene_file());
+        result.map_err(|error| Failure::broken(wrong(error).to_string()))?;
         if let Some(progress) = &self.state.progress {
             let modes = progress.scene.modes();
             log.event(&format!("structure of '{}' with {modes} modes is ready", progress.scene.title));

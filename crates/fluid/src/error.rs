@@ -1,5 +1,6 @@
 //! What can go wrong, with the numbers.
 
+use digits::{rounded, six};
 use nalgebra::Vector2;
 use thiserror::Error;
 
@@ -7,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
     /// A parameter outside its range.
-    #[error("fluid parameter {name} = {got}: expected {expected}")]
+    #[error("fluid parameter {name} = {got}: expected {}", rounded(expected), got = six(*got))]
     Parameter {
         /// Name of the parameter.
         name: &'static str,
@@ -17,7 +18,7 @@ pub enum Error {
         expected: String,
     },
     /// A geometry that cannot be simulated.
-    #[error("geometry: {what}: got {got}, expected {expected}")]
+    #[error("geometry: {}: got {}, expected {}", rounded(what), rounded(got), rounded(expected))]
     Geometry {
         /// What is wrong and where.
         what: String,
@@ -27,7 +28,7 @@ pub enum Error {
         expected: String,
     },
     /// An input that is not usable.
-    #[error("input {name} = {got} at t = {time} s: expected {expected}")]
+    #[error("input {name} = {} at t = {} s: expected {}", six(*got), six(*time), rounded(expected))]
     Input {
         /// Name of the input.
         name: String,
@@ -40,8 +41,9 @@ pub enum Error {
     },
     /// The body meets a fixed wall.
     #[error(
-        "the body's surface passes through a fixed wall at ({x}, {y}) m at t = {time} s; add [structure.contact] to \
-         let it rest there, end the run before, or give the body more room"
+        "the body's surface passes through a fixed wall at ({}, {}) m at t = {} s; add [structure.contact] to let it \
+         rest there, end the run before, or give the body more room",
+        six(*x), six(*y), six(*time)
     )]
     Contact {
         /// Place of the body's corner behind the wall \[m\].
@@ -53,8 +55,9 @@ pub enum Error {
     },
     /// The pressure solve did not converge.
     #[error(
-        "pressure solve at t = {time} s: relative residual {residual:e} after {iterations} iterations on {unknowns} \
-         unknowns, wanted {tolerance:e}; a smaller time step or a larger solve.maximum_iterations may help"
+        "pressure solve at t = {} s: relative residual {} after {iterations} iterations on {unknowns} unknowns, wanted \
+         {}; a smaller time step or a larger fluid.solve.maximum_iterations may help",
+        six(*time), six(*residual), six(*tolerance)
     )]
     Pressure {
         /// Time \[s\].
@@ -69,7 +72,10 @@ pub enum Error {
         unknowns: usize,
     },
     /// A value that is not finite after a step.
-    #[error("{field} of particle {particle} is not finite at t = {time} s, near ({x}, {y}); the step was not taken")]
+    #[error(
+        "{field} of particle {particle} is not finite at t = {} s, near ({}, {}); the step was not taken",
+        six(*time), six(*x), six(*y)
+    )]
     NotFinite {
         /// Field.
         field: &'static str,
@@ -84,8 +90,9 @@ pub enum Error {
     },
     /// The time step became too small.
     #[error(
-        "time step {step:e} s at t = {time} s is below {floor:e} s: the largest speed is {speed} m/s at spacing \
-         {spacing} m; the flow is not resolved or the wall moves too fast"
+        "time step {} s at t = {} s is below {} s: the largest speed is {} m/s at spacing {} m; the flow is not \
+         resolved or the wall moves too fast",
+        six(*step), six(*time), six(*floor), six(*speed), six(*spacing)
     )]
     TimeStep {
         /// Time step wanted \[s\].
@@ -101,8 +108,9 @@ pub enum Error {
     },
     /// A communication step that would take too many internal steps.
     #[error(
-        "the communication step has {left:e} s left at t = {time} s, which takes more than {parts:e} internal steps of at \
-         most {stable:e} s; use a shorter communication step"
+        "the communication step has {} s left at t = {} s, which takes more than {} internal steps of at most {} s; use a \
+         shorter communication step",
+        six(*left), six(*time), six(*parts), six(*stable)
     )]
     CommunicationStep {
         /// Time left in the communication step \[s\].
@@ -115,7 +123,7 @@ pub enum Error {
         time: f64,
     },
     /// A state that does not belong to this scene, or that was damaged.
-    #[error("state: {what} = {got}: expected {expected}")]
+    #[error("state: {what} = {}: expected {}", rounded(got), rounded(expected))]
     State {
         /// What is wrong.
         what: String,
@@ -134,12 +142,7 @@ pub enum Error {
     },
 }
 
-/// A number to six digits, for messages: more of them are rounding.
-pub(crate) fn rounded(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
-}
-
 /// A place for messages.
 pub(crate) fn place(point: &Vector2<f64>) -> String {
-    format!("({}, {})", rounded(point.x), rounded(point.y))
+    format!("({}, {})", six(point.x), six(point.y))
 }

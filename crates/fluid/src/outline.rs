@@ -209,7 +209,7 @@ mod tests {
     fn an_ordinary_polygon_stays_as_it_is() {
         let polygon = points(&[(0.0, 0.0), (1.0, 0.1), (0.8, 0.9), (0.1, 0.7)]);
         let closed: Vec<_> = polygon.iter().chain(&polygon[..1]).copied().collect();
-        assert_eq!(outline(&polygon, 0.05), [closed.clone()]);
+        assert_eq!(outline(&polygon, 0.05), std::slice::from_ref(&closed));
         assert_eq!(outline(&closed, 0.05), [closed], "a corner that is repeated at the end makes no edge");
     }
 

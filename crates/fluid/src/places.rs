@@ -1,9 +1,10 @@
 //! Whether the places where the water is read are places where water can be.
 
-use crate::error::{place, rounded};
+use crate::error::place;
 use crate::grid::bounding_box;
 use crate::sides::{SLACK, Sides, Solids};
 use crate::solver::Solver;
+use digits::six;
 use kinematics::Motion;
 use nalgebra::Vector2;
 
@@ -81,7 +82,7 @@ impl Places<'_> {
         let [low, high] = ends;
         let stands = match instrument {
             Instrument::Probe(_) => place(&low),
-            Instrument::Gauge(_) => format!("{} m", rounded(low.x)),
+            Instrument::Gauge(_) => format!("{} m", six(low.x)),
             Instrument::Region(_) => format!("{} to {}", place(&low), place(&high)),
         };
         let found = |reason: String, hopeless: bool| Some(Misplaced { instrument, place: stands, reason, hopeless });
@@ -89,13 +90,13 @@ impl Places<'_> {
         let depth = if matches!(instrument, Instrument::Probe(_)) { self.depth(&low) } else { 0.0 };
         let out_of_reach = distance(&self.domain, &ends) > 0.0;
         if depth > SLACK * self.spacing && !out_of_reach {
-            return found(format!("it lies {} m within a solid", rounded(depth)), depth > DEEP * self.spacing);
+            return found(format!("it lies {} m within a solid", six(depth)), depth > DEEP * self.spacing);
         }
         if beyond <= SLACK * self.spacing {
             return None;
         }
         let all = format!("from {} to {}", place(&self.everything.0), place(&self.everything.1));
-        let beyond = rounded(beyond);
+        let beyond = six(beyond);
         found(format!("it lies {beyond} m outside of walls, water and structure, which reach {all}"), out_of_reach)
     }
 

@@ -1,12 +1,13 @@
 //! Whether walls make sense as drawn: each with one wet side, and the water on it.
 
 use crate::Error;
-use crate::error::{place, rounded};
+use crate::error::place;
 use crate::fill::signed_area;
 use crate::outline::{crossing, overlap};
 use crate::parameters::Geometry;
 use crate::sides::{SLACK, is_closed, placed_walls};
 use crate::walls::{FIXED, Segment, Walls};
+use digits::six;
 use nalgebra::Vector2;
 
 /// Smallest angle between two pieces of a wall in degrees: less is a wall that turns back on itself.
@@ -74,7 +75,7 @@ fn turns_back(wall: &Named) -> Result<(), Error> {
         None => Ok(()),
         Some((angle, corner)) => Err(refuse(
             format!("{} turns back on itself at {}", wall.name, place(&corner)),
-            format!("a corner of {} degrees", rounded(angle)),
+            format!("a corner of {} degrees", six(angle)),
             "corners of at least 1 degree: a wall has water on its left only; draw a plate as a closed wall with a thickness",
         )),
     }

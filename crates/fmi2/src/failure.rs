@@ -1,6 +1,7 @@
 //! Why a call was not carried out.
 
 use crate::ffi::Status;
+use digits::rounded;
 use thiserror::Error;
 
 /// A call that did not succeed, with the status that the caller sees and a message with numbers.
@@ -9,7 +10,7 @@ use thiserror::Error;
 pub struct Failure {
     /// Status returned to the importer: discard or error.
     pub status: Status,
-    /// What was expected, what came, what to change.
+    /// What was expected, what came, what to change; numbers have six significant digits.
     pub message: String,
     /// Whether the instance is unusable afterwards, until a state is restored or the instance is reset.
     pub breaks_instance: bool,
@@ -18,16 +19,16 @@ pub struct Failure {
 impl Failure {
     /// A call that was refused; the instance is as before.
     pub fn refused(message: impl Into<String>) -> Self {
-        Self { status: Status::ERROR, message: message.into(), breaks_instance: false }
+        Self { status: Status::ERROR, message: rounded(&message.into()), breaks_instance: false }
     }
 
     /// A call that failed and leaves the instance unusable.
     pub fn broken(message: impl Into<String>) -> Self {
-        Self { status: Status::ERROR, message: message.into(), breaks_instance: true }
+        Self { status: Status::ERROR, message: rounded(&message.into()), breaks_instance: true }
     }
 
     /// A step or a value that this instance cannot take while another may do: a shorter step, a value in range.
     pub fn discard(message: impl Into<String>) -> Self {
-        Self { status: Status::DISCARD, message: message.into(), breaks_instance: false }
+        Self { status: Status::DISCARD, message: rounded(&message.into()), breaks_instance: false }
     }
 }

@@ -194,13 +194,17 @@ impl<C: Component> Instance<C> {
         let distance = (time - self.time).abs();
         if distance.is_nan() || distance > allowance {
             return Err(Failure::refused(format!(
-                "communication point {time} s: expected {} s, where the last step ended; restore a state to go back",
+                "communication point {time} s: expected {} s, where the last step ended, which is {distance:e} s away; \
+                 restore a state to go back",
                 self.time
             )));
         }
         let end = time + step;
         if let Some(stop) = self.experiment.stop.filter(|&stop| end > stop + allowance) {
-            return Err(Failure::refused(format!("a step to {end} s passes the stop time {stop} s")));
+            return Err(Failure::refused(format!(
+                "a step to {end} s passes the stop time {stop} s by {:e} s",
+                end - stop
+            )));
         }
         match self.component.do_step(time, step, &self.logger) {
             Ok(()) => {

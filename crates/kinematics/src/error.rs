@@ -1,10 +1,12 @@
 //! What can be wrong with the geometry of a body.
 
+use digits::six;
+
 /// A geometry that cannot be used. Raised once, when a part is built or validated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A length, density or thickness that is not positive and finite.
-    #[error("{what} is {value} {unit}, but has to be positive and finite")]
+    #[error("{what} is {} {unit}, but has to be positive and finite", six(*value))]
     NotPositive {
         /// The quantity.
         what: &'static str,
@@ -14,7 +16,7 @@ pub enum Error {
         unit: &'static str,
     },
     /// A place or an angle that is not a finite number.
-    #[error("{what} is {value}, but has to be finite")]
+    #[error("{what} is {}, but has to be finite", six(*value))]
     NotFinite {
         /// The quantity.
         what: String,
@@ -30,7 +32,10 @@ pub enum Error {
         points: usize,
     },
     /// Two consecutive points of a wall polyline that coincide.
-    #[error("points {point} and {} of wall {wall} of the body coincide at ({x}, {y}) m; remove one of them", point + 1)]
+    #[error(
+        "points {point} and {} of wall {wall} of the body coincide at ({}, {}) m; remove one of them",
+        point + 1, six(*x), six(*y)
+    )]
     EmptySegment {
         /// Index of the polyline, from 0.
         wall: usize,

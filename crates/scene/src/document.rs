@@ -1,33 +1,47 @@
 //! From TOML text to typed data: overrides by dotted path, errors with the line and the nearest key.
 
-use crate::Error;
 use crate::lists::{self, Surplus};
+use crate::place::{line_at, line_of, same_branch};
+use crate::{Error, words};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::io::ErrorKind;
 use std::path::Path;
 use toml::{Table, Value};
 
 /// Reads a text file; the error names the path.
 pub fn read_text(path: &Path) -> Result<String, Error> {
+    let refuse = |reason: String| Error::Read { path: path.display().to_string(), reason };
+    if path.extension().is_some_and(|extension| extension == "ssp" || extension == "fmu") {
+        let what = "an archive and no scene or case: a case file names FMUs and connects them";
+        return Err(refuse(format!("{what} (`plimsoll schema case` says how); packages are for other masters")));
+    }
     let content = read_file(path)?;
-    String::from_utf8(content).map_err(|error| unreadable(path, format!("no UTF-8: {}", error.utf8_error())))
+    String::from_utf8(content).map_err(|error| refuse(format!("it is no text in UTF-8: {}", error.utf8_error())))
 }
 
 /// Reads a file. What is no file, and might give bytes without end or none for ever, is refused: a named pipe, a device.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, Error> {
     check_file(path)
-        .and_then(|()| std::fs::read(path).map_err(|error| error.to_string()))
-        .map_err(|it| unreadable(path, it))
+        .and_then(|()| std::fs::read(path).map_err(|error| reason(&error)))
+        .map_err(|reason| Error::Read { path: path.display().to_string(), reason })
 }
 
 /// Whether a path is that of a file, or of a link to one; the error says what else it is.
 pub fn check_file(path: &Path) -> Result<(), String> {
-    let kind = std::fs::metadata(path).map_err(|error| error.to_string())?.file_type();
+    let kind = std::fs::metadata(path).map_err(|error| reason(&error))?.file_type();
     if kind.is_file() {
         return Ok(());
     }
     let found = if kind.is_dir() { "a directory" } else { special(kind) };
     Err(format!("is {found}, expected a file"))
+}
+
+fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file".to_string(),
+        _ => error.to_string(),
+    }
 }
 
 #[cfg(unix)]
@@ -46,10 +60,6 @@ fn special(_kind: std::fs::FileType) -> &'static str {
     "no file"
 }
 
-fn unreadable(path: &Path, reason: String) -> Error {
-    Error::Read { path: path.display().to_string(), reason }
-}
-
 /// The name of a file in messages.
 pub fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
@@ -64,11 +74,11 @@ pub fn from_toml<T: DeserializeOwned + Serialize>(
     overrides: &[(String, String)],
 ) -> Result<T, Error> {
     // The text alone comes first: only its own errors have a line.
-    let document: T = toml::from_str(text).map_err(|error| parse_error(name, text, &error))?;
-    let table: Table = text.parse().map_err(|error| parse_error(name, text, &error))?;
+    let document: T = read(text).map_err(|(path, error)| parse_error(name, text, &path, &error))?;
+    let table: Table = text.parse().map_err(|error| parse_error(name, text, "", &error))?;
     let mut root = Value::Table(table);
     if let Some(list) = lists::surplus(&root, &document) {
-        let line = lists::place(text, &list.path).map_or(0, |place| line(text, place.start));
+        let line = line_of(text, &list.path).unwrap_or(1);
         return Err(Error::Parse { name: name.to_string(), line, message: too_long(&list), hint: String::new() });
     }
     if overrides.is_empty() {
@@ -80,27 +90,59 @@ pub fn from_toml<T: DeserializeOwned + Serialize>(
             .map_err(|reason| Error::Override { text: shortened(format!("{key}={value}")), reason })?;
         *slot = parse_value(value);
     }
-    let refuse = |reason: String| {
-        let all: Vec<String> = overrides.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        Error::Override { text: shortened(all.join("; ")), reason }
+    let refuse = |path: &str, reason: String| {
+        let guilty = overrides.iter().filter(|(key, _)| same_branch(key, path));
+        let guilty: Vec<String> = guilty.map(|(key, value)| format!("{key}={value}")).collect();
+        Error::Override { text: shortened(guilty.join("; ")), reason }
     };
-    // As text again: what is read from a text says where it is wrong, and takes lists as the file's own are taken.
-    let text = toml::to_string(&root).map_err(|error| refuse(error.to_string()))?;
+    // As text again: what is read from a text takes lists as the file's own are taken.
+    let text = toml::to_string(&root).map_err(|error| refuse("", error.to_string()))?;
     let document: T =
-        toml::from_str(&text).map_err(|error| refuse(format!("{}{}", keyed(&text, &error), hint(error.message()))))?;
+        read(&text).map_err(|(path, error)| refuse(&path, said(&path, &error) + &hint(error.message())))?;
     match lists::surplus(&root, &document) {
-        Some(list) => Err(refuse(too_long(&list))),
+        Some(list) => Err(refuse(&list.path, too_long(&list))),
         None => Ok(document),
     }
 }
 
-fn too_long(list: &Surplus) -> String {
-    format!("{} has {} entries, expected {}", lists::shown(&list.path), list.got, list.expected)
+/// Reads a text; the error comes with the key path that it is about.
+fn read<T: DeserializeOwned>(text: &str) -> Result<T, (String, toml::de::Error)> {
+    let parser = toml::Deserializer::parse(text).map_err(|error| (String::new(), error))?;
+    serde_path_to_error::deserialize(parser).map_err(|error| (error.path().to_string(), error.into_inner()))
 }
 
-/// Line of a place in a text, counted from one.
-fn line(text: &str, place: usize) -> usize {
-    text[..place].matches('\n').count() + 1
+fn too_long(list: &Surplus) -> String {
+    format!("{} has {} entries, expected {}", list.path, list.got, list.expected)
+}
+
+impl Error {
+    /// The same error with the line of its key in the text of the document, unless one of the `overrides` set it.
+    #[must_use]
+    pub fn located(self, text: &str, overrides: &[(String, String)]) -> Self {
+        match self {
+            Self::Range { name, key, got, expected } => {
+                let line = line_unless_set(text, &key, overrides);
+                Self::Range {
+                    name: line.map_or_else(|| name.clone(), |line| format!("{name}, line {line}")),
+                    key,
+                    got,
+                    expected,
+                }
+            }
+            other => other,
+        }
+    }
+}
+
+/// The line of a key path in the text of a document, from one, unless one of the `overrides` set it.
+pub fn line_unless_set(text: &str, key: &str, overrides: &[(String, String)]) -> Option<usize> {
+    let set = overrides.iter().any(|(changed, _)| same_branch(changed, key));
+    if set { None } else { line_of(text, key) }
+}
+
+/// A key path before what is said about it; nothing for the document as a whole.
+fn before(path: &str) -> String {
+    if path.is_empty() || path == "." { String::new() } else { format!("{path}: ") }
 }
 
 /// The beginning of a text that is too long for a message.
@@ -111,16 +153,14 @@ fn shortened(text: String) -> String {
     }
 }
 
-fn parse_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
-    let line = error.span().map_or(0, |place| line(text, place.start));
-    Error::Parse { name: name.to_string(), line, hint: hint(error.message()), message: keyed(text, error) }
+fn parse_error(name: &str, text: &str, path: &str, error: &toml::de::Error) -> Error {
+    let line = error.span().map(|span| line_at(text, span.start)).or_else(|| line_of(text, path)).unwrap_or(1);
+    Error::Parse { name: name.to_string(), line, hint: hint(error.message()), message: said(path, error) }
 }
 
-/// What the parser said, after the key of the value that it said it of.
-fn keyed(text: &str, error: &toml::de::Error) -> String {
-    let path = error.span().map_or_else(Vec::new, |place| lists::path_at(text, &place));
-    let key = if path.is_empty() { String::new() } else { format!("{}: ", lists::shown(&path)) };
-    format!("{key}{}", error.message())
+/// What the parser said, after the key path that it said it of.
+fn said(path: &str, error: &toml::de::Error) -> String {
+    format!("{}{}", before(path), words::plain(error.message()))
 }
 
 /// The known key nearest to an unknown one, from an error text that lists the known ones in backquotes.

@@ -1,5 +1,6 @@
 //! What can be wrong with a scene file, or with another file made of its tables.
 
+use digits::rounded;
 use thiserror::Error;
 
 /// A scene, or a document made of its tables, that cannot be used, with the place and the remedy.
@@ -34,9 +35,9 @@ pub enum Error {
         reason: String,
     },
     /// A value outside its range.
-    #[error("{name}: {key} = {got}: expected {expected}")]
+    #[error("{name}: {key} = {}: expected {}", rounded(got), rounded(expected))]
     Range {
-        /// Name of the document.
+        /// Name of the document, with the line where that is known.
         name: String,
         /// Key path of the value.
         key: String,

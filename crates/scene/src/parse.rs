@@ -37,7 +37,7 @@ impl Scene {
     /// Parses the text, applies overrides (key path, TOML value), validates.
     pub fn with_overrides(text: &str, name: &str, overrides: &[(String, String)]) -> Result<Self, Error> {
         let scene: Scene = from_toml(text, name, overrides)?;
-        scene.validate(name)?;
+        scene.validate(name).map_err(|error| error.located(text, overrides))?;
         Ok(scene)
     }
 }

@@ -1,6 +1,7 @@
 //! The ranges of every value of a scene. Geometry that needs more than one part is checked where it is built.
 
 use crate::*;
+use digits::six;
 use std::collections::BTreeMap;
 
 /// Particles that a scene may ask for; more is a slip in the spacing rather than a wish.
@@ -34,8 +35,8 @@ impl Checker<'_> {
             return Ok(());
         }
         match high {
-            f64::MAX => self.fail(key, value, &format!("a finite number of at least {low}")),
-            _ => self.fail(key, value, &format!("a number from {low} to {high}")),
+            f64::MAX => self.fail(key, six(value), &format!("a finite number of at least {}", six(low))),
+            _ => self.fail(key, six(value), &format!("a number from {} to {}", six(low), six(high))),
         }
     }
 
@@ -43,7 +44,7 @@ impl Checker<'_> {
         if (SMALLEST..=LARGEST).contains(&value) {
             return Ok(());
         }
-        self.fail(key, value, &format!("a number above 0, from {SMALLEST:e} to {LARGEST:e}"))
+        self.fail(key, six(value), &format!("a number above 0, from {SMALLEST:e} to {LARGEST:e}"))
     }
 
     fn all_within(&self, key: &str, values: &[f64], largest: f64) -> Result<(), Error> {
@@ -63,7 +64,7 @@ impl Checker<'_> {
         if point.iter().all(|value| value.is_finite()) {
             return Ok(());
         }
-        self.fail(key, format!("{point:?}"), "finite coordinates")
+        self.fail(key, digits::list(&point), "finite coordinates")
     }
 
     fn speeds(&self, key: &str, speeds: [f64; 2], unit: &str) -> Result<(), Error> {
@@ -71,7 +72,7 @@ impl Checker<'_> {
             return Ok(());
         }
         let expected = format!("numbers from -{LARGEST_SPEED:e} to {LARGEST_SPEED:e} {unit}");
-        self.fail(key, format!("{speeds:?}"), &expected)
+        self.fail(key, digits::list(&speeds), &expected)
     }
 
     fn points(&self, key: &str, points: &[Point], least: usize) -> Result<(), Error> {
@@ -138,7 +139,7 @@ impl Run {
     pub fn validate(&self, name: &str, start: f64) -> Result<(), Error> {
         let check = Checker { name };
         if !(self.end.is_finite() && self.end > start) {
-            check.fail("run.end", self.end, &format!("a finite number above the start, {start} s"))?;
+            check.fail("run.end", six(self.end), &format!("a finite number above the start, {} s", six(start)))?;
         }
         let duration = self.end - start;
         check.within("run.communication_step", self.communication_step, duration / MOST_STEPS, duration)
@@ -301,7 +302,7 @@ fn validate_spacing(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
 }
 
 /// Width and height of the box around a polygon \[m\].
-fn extent(polygon: &[Point]) -> [f64; 2] {
+pub(crate) fn extent(polygon: &[Point]) -> [f64; 2] {
     [0, 1].map(|axis| {
         let values = polygon.iter().map(|point| point[axis]);
         values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
@@ -378,6 +379,10 @@ fn validate_beam(check: &Checker, beam: &Beam) -> Result<(), Error> {
     check.point("structure.beam.middle", beam.middle)?;
     check.positive("structure.beam.length", beam.length)?;
     check.positive("structure.beam.thickness", beam.thickness)?;
+    if beam.thickness >= beam.length {
+        let expected = format!("less than the length, {} m: a beam is long and thin", six(beam.length));
+        check.fail("structure.beam.thickness", six(beam.thickness), &expected)?;
+    }
     check.positive("structure.beam.density", beam.density)?;
     check.positive("structure.beam.youngs_modulus", beam.youngs_modulus)?;
     check.within("structure.beam.poisson_ratio", beam.poisson_ratio.unwrap_or(0.0), 0.0, 0.5)?;

@@ -135,8 +135,8 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("structure.integrator.rho_infinity", &["-0.01", "1.01"], &["0", "1"]),
     ("structure.integrator.beta", &["0.009", "1.01"], &["0.01", "1"]),
     ("structure.integrator.gamma", &["0.49", "1.01"], &["0.5", "1"]),
-    ("structure.beam.length", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
-    ("structure.beam.thickness", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
+    ("structure.beam.length", &["-1", "0", "0.01", "1e-16", "1.1e15"], &["0.011"]),
+    ("structure.beam.thickness", &["-1", "0", "0.1", "1e-16", "1.1e15"], &["1e-3", "0.099"]),
     ("structure.beam.density", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
     ("structure.beam.youngs_modulus", &["-1", "0", "1.1e15"], &["1e-3", "210000000000"]),
     ("structure.beam.poisson_ratio", &["-0.01", "0.51"], &["0", "0.5"]),
@@ -266,7 +266,7 @@ fn lists_that_are_too_short_or_too_long() {
         ("structure.beam.damping", "[0,0,0]", &["structure.beam.damping = 3", "from 0 to 2"]),
         ("structure.beam.initial_modes", "[0,0,0]", &["structure.beam.initial_modes = 3", "from 0 to 2"]),
         ("fluid.scheme", "papr", &["fluid.scheme=papr", "did you mean `paper`"]),
-        ("structure.free", "['z']", &["unknown variant `z`"]),
+        ("structure.free", "['z']", &["unknown word `z`"]),
         ("fluid.spacing.deep", "1", &["fluid.spacing.deep=1", "no table"]),
         ("fluid.water.7.polygon", "[]", &["`7`", "below 1"]),
         ("fluid..spacing", "1", &["a key is empty"]),
@@ -313,7 +313,10 @@ fn lists_of_a_fixed_length() {
     let short = SCENE.replace("origin = [0.5, 0.6]", "origin = [0.5]");
     let line = 1 + SCENE[..SCENE.find("origin").unwrap()].matches('\n').count();
     let message = Scene::from_str(&short, "all.toml").unwrap_err().to_string();
-    assert!(message.starts_with(&format!("all.toml, line {line}: structure.origin: invalid length 1")), "{message}");
+    assert!(
+        message.starts_with(&format!("all.toml, line {line}: structure.origin: got a list of 1, expected")),
+        "{message}"
+    );
 }
 
 /// A name stands for one figure of the report.
@@ -379,5 +382,5 @@ fn files_that_are_missing_or_no_scene() {
     let message = Scene::from_str("title = 'cut'\n[run", "cut.toml").unwrap_err().to_string();
     assert!(message.contains("cut.toml, line 2"), "{message}");
     let message = Scene::from_str("", "empty.toml").unwrap_err().to_string();
-    assert!(message.contains("missing field `title`"), "{message}");
+    assert!(message.contains("missing key `title`"), "{message}");
 }

@@ -1,10 +1,12 @@
 //! What can go wrong, with the numbers that show it.
 
+use digits::six;
+
 /// An input that is refused or a step that could not be made. The state is unchanged in every case.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A parameter outside its range.
-    #[error("{what} is {value}, but has to be {range}")]
+    #[error("{what} is {}, but has to be {range}", six(*value))]
     Parameter {
         /// The parameter, with its unit.
         what: String,
@@ -24,7 +26,7 @@ pub enum Error {
         got: usize,
     },
     /// A generalised load that is not a finite number.
-    #[error("load component {component} is {value} at t = {time} s; every component has to be finite")]
+    #[error("load component {component} is {value} at t = {} s; every component has to be finite", six(*time))]
     LoadNotFinite {
         /// Name of the component: fx, fy, mz, q[1] ...
         component: String,
@@ -34,7 +36,10 @@ pub enum Error {
         time: f64,
     },
     /// A state whose motion is not finite.
-    #[error("{rate} of coordinate {coordinate} is {value} at t = {time} s; every entry of a state has to be finite")]
+    #[error(
+        "{rate} of coordinate {coordinate} is {value} at t = {} s; every entry of a state has to be finite",
+        six(*time)
+    )]
     StateNotFinite {
         /// Name of the coordinate: x, y, theta, q[1] ...
         coordinate: String,
@@ -47,7 +52,8 @@ pub enum Error {
     },
     /// A state in which a locked coordinate moves.
     #[error(
-        "coordinate {coordinate} is locked but has the velocity {velocity} at t = {time} s; set it to 0 or free the coordinate"
+        "coordinate {coordinate} is locked but has the velocity {} at t = {} s; set it to 0 or free the coordinate",
+        six(*velocity), six(*time)
     )]
     LockedMoves {
         /// Name of the coordinate.
@@ -58,7 +64,7 @@ pub enum Error {
         time: f64,
     },
     /// A step that is not positive and finite.
-    #[error("the step is {duration} s at t = {time} s, but has to be positive and finite")]
+    #[error("the step is {} s at t = {} s, but has to be positive and finite", six(*duration), six(*time))]
     Duration {
         /// What was given, s.
         duration: f64,
@@ -67,8 +73,9 @@ pub enum Error {
     },
     /// Newton-Raphson ran out of iterations or met a number that is not finite.
     #[error(
-        "step of {duration} s at t = {time} s did not converge: relative residual {residual:e} after {iterations} iterations, \
-         tolerance {tolerance:e}; use a smaller step"
+        "step of {} s at t = {} s did not converge: relative residual {} after {iterations} iterations, tolerance {}; use a \
+         smaller step",
+        six(*duration), six(*time), six(*residual), six(*tolerance)
     )]
     NotConverged {
         /// Start of the step, s.
@@ -84,11 +91,12 @@ pub enum Error {
     },
     /// A deflection beyond which the beam is no longer linear.
     #[error(
-        "the beam deflects by {deflection} m at {station} m along it at t = {time} s, beyond {limit} m, up to which it counts as \
-         linear; use a stiffer beam, or raise structure.beam.deflection_limit knowing that stretching and rotation are left out"
+        "the beam deflects by {} m along +x of the body at {} m along it at t = {} s, beyond {} m, up to which it counts as \
+         linear; use a stiffer beam, or raise structure.beam.deflection_limit knowing that stretching and rotation are left out",
+        six(*deflection), six(*station), six(*time), six(limit.copysign(*deflection))
     )]
     Deflection {
-        /// What the step gave, m.
+        /// What the step gave, m, positive along +x of the body as the outputs of the structure have it.
         deflection: f64,
         /// Where along the beam, m.
         station: f64,
@@ -99,7 +107,8 @@ pub enum Error {
     },
     /// A system matrix that could not be factorised.
     #[error(
-        "the {matrix} of {size} free coordinates is singular at t = {time} s; use a smaller step or check the masses"
+        "the {matrix} of {size} free coordinates is singular at t = {} s; use a smaller step or check the masses",
+        six(*time)
     )]
     Singular {
         /// Mass matrix or tangent.

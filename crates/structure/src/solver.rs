@@ -206,7 +206,8 @@ impl Solver {
         let limit = beam.deflection_limit;
         for part in 1..=STATIONS {
             let station = beam.modes.length() * part as f64 / STATIONS as f64;
-            let deflection = beam.modes.deflection(station, &position[RIGID..]);
+            // The outputs have it positive along +x of the body, eta is so along -x.
+            let deflection = -beam.modes.deflection(station, &position[RIGID..]);
             if deflection.abs() > limit {
                 return Err(Error::Deflection { deflection, station, time, limit });
             }

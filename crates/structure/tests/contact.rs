@@ -108,8 +108,11 @@ fn a_beam_bent_too_far_is_refused_with_place_and_limit() {
     state = before.clone();
     load[3] = 1e6;
     match solver.step(&mut state, &load, 1e-2, &mut solver.workspace()) {
-        Err(Error::Deflection { deflection, limit, time, .. }) => {
+        Err(error @ Error::Deflection { deflection, limit, time, .. }) => {
+            assert!(error.to_string().contains("beyond -0.01 m"), "the limit on the side of the deflection: {error}");
             assert!(deflection.abs() > 0.01 && limit == 0.01 && time == 1e-2, "{deflection} {limit} {time}");
+            // A load on the first mode above 0 bends the beam along eta, -x of the body.
+            assert!(deflection < 0.0, "as the outputs have it: {deflection}");
         }
         other => panic!("{other:?}"),
     }

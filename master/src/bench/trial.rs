@@ -4,25 +4,19 @@ use super::machine::processor_seconds;
 use super::plan::Plan;
 use crate::checkpoint::Schedule;
 use crate::checks::{self, Context};
-use crate::direct::DirectParticipant;
+use crate::in_process;
 use crate::job::Facts;
 use crate::log::Log;
-use crate::participant::Participant;
 use crate::progress::{Progress, Style};
 use crate::record::{CheckResult, Series, Status};
 use crate::run::{self, Outcome};
-use crate::scene_case::{self, FLUID, Places, STRUCTURE};
-use components::{FluidComponent, StructureComponent};
+use crate::scene_case::{self, FLUID, Places};
 use scene::{CheckKind, Scene, Scheme};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
-
-/// How often a waiting run looks whether it has to end.
-const TICK: Duration = Duration::from_millis(50);
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 /// What all runs of a comparison share.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,7 +114,7 @@ pub fn trial(
     let begin = Instant::now();
     let processor = processor_seconds();
     let run = Timed { scene: &scene, overrides: &overrides, places: &places, threads: limits.threads };
-    let (outcome, capped) = watched(&run, limits.cap, interrupted);
+    let (outcome, capped) = in_process::watched(|stop| run.run(stop), limits.cap, interrupted);
     let wall = begin.elapsed().as_secs_f64();
     let processor = processor.zip(processor_seconds()).map(|(before, after)| after - before);
     let mut trial = Trial { wall, processor, ..Trial::unmeasured(plan, scheme, spacing, limits.threads) };
@@ -194,44 +188,14 @@ impl Timed<'_> {
     fn run(&self, stop: &AtomicBool) -> Result<Outcome, String> {
         let case = scene_case::case(self.scene, self.overrides, Some(self.threads), self.places);
         let modes = self.scene.modes().max(components::DEFAULT_MODES);
-        let (log, mut participants) = (Log::default(), Vec::new());
-        for fmu in &case.fmu {
-            let participant: Result<Box<dyn Participant>, _> = if fmu.name == STRUCTURE {
-                DirectParticipant::<StructureComponent>::new(&fmu.name, modes, &log).map(|it| Box::new(it) as _)
-            } else {
-                DirectParticipant::<FluidComponent>::new(&fmu.name, modes, &log).map(|it| Box::new(it) as _)
-            };
-            participants.push(participant.map_err(|error| error.to_string())?);
-        }
+        let participants =
+            in_process::participants(&case, modes, &Log::default()).map_err(|error| error.to_string())?;
         let folder = &self.places.fmus;
         let mut progress = Progress::new(case.start, case.run.end, Style::Quiet);
         run::run(&case, participants, folder, Schedule::never(), None, stop, &mut progress)
             .map(|(outcome, _)| outcome)
             .map_err(|error| error.to_string())
     }
-}
-
-/// Runs in a thread of its own, so that a panic is a failed run, and ends it after `cap` seconds or when `interrupted`
-/// is raised; says whether the cap ended it.
-fn watched(run: &Timed, cap: f64, interrupted: &AtomicBool) -> (Result<Outcome, String>, bool) {
-    let (stop, begin) = (AtomicBool::new(false), Instant::now());
-    let (done, waiting) = channel::<()>();
-    let mut capped = false;
-    let result = std::thread::scope(|scope| {
-        let worker = scope.spawn(|| {
-            let _ended = done;
-            run.run(&stop)
-        });
-        while waiting.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
-            capped = begin.elapsed().as_secs_f64() > cap;
-            if capped || interrupted.load(Ordering::Relaxed) {
-                stop.store(true, Ordering::Relaxed);
-                break;
-            }
-        }
-        worker.join().unwrap_or_else(|_| Err("the fluid panicked".to_string()))
-    });
-    (result, capped)
 }
 
 fn problem(outcome: &Outcome, cap: Option<f64>, particles: f64) -> String {

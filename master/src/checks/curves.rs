@@ -65,14 +65,28 @@ fn in_order(times: impl Iterator<Item = f64>, name: &str) -> Result<(), String> 
 pub fn file(check: &Check, folder: &Path) -> Result<PathBuf, String> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let path = folder.join(&check.file);
-    let wrong = |reason: String| format!("{}: {reason}", path.display());
+    let wrong = |reason: String| format!("{}: the reference cannot be read: {reason}", path.display());
     scene::check_file(&path).map_err(&wrong)?;
     let real = |path: &Path| path.canonicalize().map_err(|error| wrong(error.to_string()));
     if !check.file_outside && !real(&path)?.starts_with(real(folder)?) {
-        let reason = format!("lies outside the scene's folder, {}; file_outside = true allows it", folder.display());
+        let reason = format!("it lies outside the scene's folder, {}; file_outside = true allows it", folder.display());
         return Err(wrong(reason));
     }
     Ok(path)
+}
+
+const NEEDS_CURVE: &str = "needs `points`, or `file` with two `columns`";
+const NEEDS_BAND: &str = "needs `file` with four `columns`: time, mean, minimum, maximum";
+
+/// Refuses a check whose reference cannot be read, or that has none though its kind needs one.
+pub(super) fn needs(check: &Check, folder: &Path) -> Result<(), String> {
+    match (check.kind, reference(check, folder)?) {
+        (CheckKind::CurveRms | CheckKind::CurveMaximum, None | Some(Reference::Band(_))) => {
+            Err(NEEDS_CURVE.to_string())
+        }
+        (CheckKind::Band, None | Some(Reference::Curve(_))) => Err(NEEDS_BAND.to_string()),
+        _ => Ok(()),
+    }
 }
 
 /// How the gaps at the points of a reference curve become one number.
@@ -88,9 +102,7 @@ pub(super) fn largest(gaps: &[f64]) -> f64 {
 
 /// Distance from the points of the reference curve inside the window, with the best shift in time if one is free.
 pub(super) fn distance_to(check: &Check, points: &Points, folder: &Path, norm: Norm) -> Result<Figure, String> {
-    let Some(Reference::Curve(mut curve)) = reference(check, folder)? else {
-        return Err("needs `points`, or `file` with two `columns`".to_string());
-    };
+    let Some(Reference::Curve(mut curve)) = reference(check, folder)? else { return Err(NEEDS_CURVE.to_string()) };
     let bound = |bound: Option<f64>, open: f64| bound.map_or(open, |time| time * check.time_scale);
     let (from, to) = (bound(check.from, f64::NEG_INFINITY), bound(check.to, f64::INFINITY));
     curve.retain(|(time, _)| (from..=to).contains(time));
@@ -134,7 +146,7 @@ fn best_shift(curve: &[(f64, f64)], distance: &dyn Fn(f64) -> (f64, f64)) -> f64
 /// Largest excess over the band, with the share of records inside it, also when it is widened by a tenth of its mean.
 pub(super) fn band(check: &Check, points: &Points, folder: &Path) -> Result<Figure, String> {
     let Some(Reference::Band(band)) = reference(check, folder)? else {
-        return Err("needs `file` with four `columns`: time, mean, minimum, maximum".to_string());
+        return Err(NEEDS_BAND.to_string());
     };
     let side = |k: usize| band.iter().map(|row| (row[0], row[k])).collect::<Points>();
     let (middle, lower, upper) = (side(1), side(2), side(3));

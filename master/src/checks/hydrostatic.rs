@@ -5,10 +5,12 @@ use crate::report::{FrameEntry, frames};
 use components::frames::read_frame;
 use scene::Check;
 
+pub(super) const NEEDS_DEPTH: &str = "needs `depth`, the height of the water above y = 0";
+
 /// L2 error of the pressure against rho g (depth - y), over rho g depth; the floor lies at y = 0. Of the last frame, or
 /// over all frames in the window when `from` is given.
 pub(super) fn error(check: &Check, context: &Context) -> Result<f64, String> {
-    let depth = check.depth.ok_or("needs `depth`, the height of the water above y = 0")?;
+    let depth = check.depth.ok_or(NEEDS_DEPTH)?;
     let (density, gravity) = context.water.ok_or("the scene has no water")?;
     let all = frames(context.frames, "particles")?;
     let wanted = match check.from {

@@ -60,6 +60,33 @@ pub fn evaluate(checks: &[Check], context: &Context) -> BTreeMap<String, CheckRe
     checks.iter().map(|check| (check.name.clone(), result(check, figure(check, context)))).collect()
 }
 
+/// What cannot be computed whatever a run gives: keys that a kind needs, reference files and their columns.
+pub fn warnings(checks: &[Check], folder: &Path) -> Vec<String> {
+    let problem = |check: &Check| needs(check).err().or_else(|| curves::needs(check, folder).err());
+    let problems = checks.iter().filter_map(|check| Some((check, problem(check)?)));
+    problems.map(|(check, problem)| format!("check '{}': {problem}", check.name)).collect()
+}
+
+const NEEDS_FROM: &str = "needs `from`, the time of the value";
+const NEEDS_WINDOW: &str = "needs `window`, the length of the running mean";
+const NEEDS_LEVEL: &str = "needs `level`, the value whose first crossing counts";
+
+/// Refuses a check without a key that its kind needs.
+fn needs(check: &Check) -> Result<(), String> {
+    let lacks = match check.kind {
+        CheckKind::ValueAt if check.from.is_none() => NEEDS_FROM,
+        CheckKind::SeriesNoise if check.window.is_none() => NEEDS_WINDOW,
+        CheckKind::SpectralPeak if check.level.is_none() => "needs `level`, the expected frequency",
+        CheckKind::ArrivalTime if check.level.is_none() => NEEDS_LEVEL,
+        CheckKind::HydrostaticPressure if check.depth.is_none() => hydrostatic::NEEDS_DEPTH,
+        kind if kind != CheckKind::HydrostaticPressure && check.variable.is_empty() => {
+            "needs `variable`, for example 'fluid.front.x'"
+        }
+        _ => return Ok(()),
+    };
+    Err(lacks.to_string())
+}
+
 fn result(check: &Check, figure: Result<Figure, String>) -> CheckResult {
     let (figure, problem) = match figure {
         Ok(figure) if figure.value.is_finite() => (Some(figure), None),
@@ -78,11 +105,12 @@ fn result(check: &Check, figure: Result<Figure, String>) -> CheckResult {
 }
 
 fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
+    needs(check)?;
     if check.kind == CheckKind::HydrostaticPressure {
         return hydrostatic::error(check, context).map(Figure::from);
     }
     if check.kind == CheckKind::ValueAt {
-        let time = check.from.ok_or("needs `from`, the time of the value")?;
+        let time = check.from.ok_or(NEEDS_FROM)?;
         let all = Check { from: None, to: None, ..check.clone() };
         return series::value_at(&points(&all, context.series)?, time).map(Figure::from);
     }
@@ -96,7 +124,7 @@ fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
         CheckKind::SeriesMean => series::mean(&points).map(Figure::from),
         CheckKind::SeriesRootMean => series::root_mean(&points).map(Figure::from),
         CheckKind::SeriesNoise => {
-            let window = check.window.ok_or("needs `window`, the length of the running mean")?;
+            let window = check.window.ok_or(NEEDS_WINDOW)?;
             series::noise(&points, window).map(Figure::from)
         }
         CheckKind::SeriesFrequency => series::period(&points).map(|period| period.recip().into()),
@@ -108,7 +136,7 @@ fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
         CheckKind::SeriesSlope => series::slope(&points, check.time_scale).map(Figure::from),
         CheckKind::TimeOfMaximum => series::maximum(&points).map(|(time, _)| (time * check.time_scale).into()),
         CheckKind::ArrivalTime => {
-            let level = check.level.ok_or("needs `level`, the value whose first crossing counts")?;
+            let level = check.level.ok_or(NEEDS_LEVEL)?;
             series::arrival(&points, level).map(|time| (time * check.time_scale).into())
         }
         CheckKind::CurveRms => curves::distance_to(check, &points, context.folder, curves::root_mean_square),

@@ -193,7 +193,7 @@ pub(super) fn columns(path: &std::path::Path, names: &[String]) -> Result<Vec<Ve
     let wrong = |reason: String| record::Error::new(path, reason).to_string();
     scene::check_file(path).map_err(wrong)?;
     let reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_path(path);
-    let mut reader = reader.map_err(|error| wrong(error.to_string()))?;
+    let mut reader = reader.map_err(|error| wrong(format!("the reference cannot be read: {error}")))?;
     let header = reader.headers().map_err(|error| wrong(error.to_string()))?.clone();
     // What stands in the file never reaches a message: it may be any file.
     let place = |name: &String| {

@@ -2,6 +2,26 @@ use super::*;
 use crate::record::Column;
 use scene::Point;
 
+#[test]
+fn what_can_never_be_computed_is_known_before_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("good.csv"), "t,p\n0,1\n1,2\n").unwrap();
+    std::fs::write(folder.path().join("bad.csv"), "t,p\n0,many\n").unwrap();
+    let said = |kind: &str, rest: &str| warnings(&[check(kind, rest)], folder.path()).join("; ");
+    assert_eq!(said("series_maximum", ""), "");
+    assert_eq!(said("curve_rms", "file = 'good.csv'\ncolumns = ['t', 'p']"), "");
+    assert_eq!(said("arrival_time", ""), "check 'c': needs `level`, the value whose first crossing counts");
+    assert!(said("series_noise", "").contains("needs `window`"));
+    assert!(said("curve_rms", "").contains("needs `points`, or `file` with two `columns`"));
+    assert!(said("band", "points = [[0, 1]]").contains("four `columns`"));
+    assert!(said("curve_rms", "file = 'good.csv'").contains("`columns` has 0 names, expected 2"));
+    let none = said("curve_maximum", "file = 'none.csv'\ncolumns = ['t', 'p']");
+    assert!(none.contains("none.csv") && none.contains("cannot be read"), "{none}");
+    let column = said("curve_rms", "file = 'good.csv'\ncolumns = ['t', 'q']");
+    assert!(column.contains("no column 'q' in t, p"), "{column}");
+    assert!(said("curve_rms", "file = 'bad.csv'\ncolumns = ['t', 'p']").contains("is no number"));
+}
+
 fn check(kind: &str, rest: &str) -> Check {
     toml::from_str(&format!("name = 'c'\nkind = '{kind}'\nvariable = 'a.x'\n{rest}")).unwrap()
 }

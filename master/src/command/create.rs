@@ -53,9 +53,13 @@ impl Kind {
 }
 
 pub(super) fn create(arguments: &NewArguments) -> Result<ExitCode, Failure> {
-    let path = arguments.name.with_extension("toml");
+    let path = with_extension(&arguments.name);
     let name = crate::scene_case::scene_name(&path);
-    let wrong = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
+    let wrong = |path: &Path, error: std::io::Error| format!("{} cannot be written: {error}", path.display());
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| format!("the folder {} cannot be made: {error}", folder.display()))?;
+    }
     let mut file = OpenOptions::new().write(true).create_new(true).open(&path).map_err(|error| wrong(&path, error))?;
     let quoted = name.replace(['"', '\\'], "'");
     file.write_all(arguments.kind.template().replace("NAME", &quoted).as_bytes())
@@ -63,8 +67,25 @@ pub(super) fn create(arguments: &NewArguments) -> Result<ExitCode, Failure> {
     let beside = path.with_file_name(SCHEMA);
     std::fs::write(&beside, schema_text(SchemaOf::Scene)?).map_err(|error| wrong(&beside, error))?;
     answer!("{}", path.display());
-    answer!("next: plimsoll check {0}; plimsoll run {0}", path.display());
+    let word = quoted_for_shell(&path);
+    answer!("next: plimsoll check {word}; plimsoll run {word}");
     Ok(ExitCode::SUCCESS)
+}
+
+/// The path with .toml at its end; a dot within the name stays.
+fn with_extension(path: &Path) -> PathBuf {
+    if path.extension().is_some_and(|extension| extension == "toml") {
+        return path.to_path_buf();
+    }
+    let mut name = path.as_os_str().to_os_string();
+    name.push(".toml");
+    name.into()
+}
+
+/// A path as one word of a shell's command.
+fn quoted_for_shell(path: &Path) -> String {
+    let text = path.display().to_string();
+    shlex::try_quote(&text).map_or_else(|_| text.clone(), |quoted| quoted.into_owned())
 }
 
 pub(super) fn schema(what: SchemaOf) -> Result<ExitCode, Failure> {
@@ -94,6 +115,15 @@ mod tests {
             assert!(components::fluid_set_up(&scene).unwrap().0.len() > 100, "{kind:?}");
             components::structure_set_up(&scene).unwrap();
         }
+    }
+
+    #[test]
+    fn names_with_blanks_are_one_word_and_dots_stay() {
+        assert_eq!(quoted_for_shell(Path::new("a/b.toml")), "a/b.toml");
+        assert_eq!(quoted_for_shell(Path::new("my scenes/tank 2.toml")), "'my scenes/tank 2.toml'");
+        assert_eq!(with_extension(Path::new("tank")), Path::new("tank.toml"));
+        assert_eq!(with_extension(Path::new("tank.toml")), Path::new("tank.toml"));
+        assert_eq!(with_extension(Path::new("a/v1.2")), Path::new("a/v1.2.toml"));
     }
 
     #[test]

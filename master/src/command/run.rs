@@ -4,7 +4,7 @@ use super::{Failure, INTERRUPTED, MISSED, watch_for_interruption};
 use crate::case::Case;
 use crate::fmu::FmuParticipant;
 use crate::folder::{RunFolder, Wish};
-use crate::job::{Facts, Job};
+use crate::job::{self, Facts, Job};
 use crate::log::Log;
 use crate::pack;
 use crate::participant::Participant;
@@ -144,7 +144,8 @@ fn execute_target(
     if let Some(note) = held.note() {
         progress.warn(note);
     }
-    let (summary, outcome) = job.execute(participants, checkpoint, interrupted, &mut progress)?;
+    let executed = job.execute(participants, checkpoint, interrupted, &mut progress);
+    let (summary, outcome) = executed.map_err(|error| located(error, target))?;
     Ok((summary, outcome, job.folder))
 }
 
@@ -180,8 +181,9 @@ fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resu
     let case = scene_case::case(&scene, &overrides, arguments.threads, &places);
     let inputs = toml::to_string(&scene.for_resuming())?;
     let (name, references) = (target.name.clone(), target.references.clone());
+    let warnings = job::warnings(&case, Some(&scene), &references);
     let (facts, parquet) = (Facts::of(&scene), arguments.parquet);
-    Ok((Job { name, case, folder, references, facts, inputs, parquet }, Some(packing)))
+    Ok((Job { name, case, folder, references, facts, inputs, parquet, warnings }, Some(packing)))
 }
 
 fn case_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Result<Job, Failure> {
@@ -190,6 +192,16 @@ fn case_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resul
                     fmu.0.parameters.threads=2"
             .into());
     }
+    let case = read_case(target)?;
+    let inputs = toml::to_string(&case.for_resuming())?;
+    let (name, references) = (target.name.clone(), target.references.clone());
+    let warnings = job::warnings(&case, None, &references);
+    let (facts, parquet) = (Facts::default(), arguments.parquet);
+    Ok(Job { name, case, folder, references, facts, inputs, parquet, warnings })
+}
+
+/// The case of a file, with FMUs where they are now.
+pub(super) fn read_case(target: &Target) -> Result<Case, Failure> {
     let mut case = Case::from_file(&target.path, &target.overrides()?)?;
     // A copy of the case in the results of an earlier run names FMUs relative to where the case was.
     if target.path.parent() != Some(&target.references) {
@@ -200,17 +212,29 @@ fn case_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resul
             }
         }
     }
-    let inputs = toml::to_string(&case.for_resuming())?;
-    let (name, references) = (target.name.clone(), target.references.clone());
-    Ok(Job { name, case, folder, references, facts: Facts::default(), inputs, parquet: arguments.parquet })
+    Ok(case)
 }
 
-fn participants(case: &Case, log: &Log) -> Result<Vec<Box<dyn Participant>>, Failure> {
+/// The FMUs of a case, loaded.
+pub(super) fn participants(case: &Case, log: &Log) -> Result<Vec<Box<dyn Participant>>, Failure> {
     let mut participants: Vec<Box<dyn Participant>> = Vec::new();
     for fmu in &case.fmu {
         participants.push(Box::new(FmuParticipant::load_within(&fmu.path, &fmu.name, log, &case.limits)?));
     }
     Ok(participants)
+}
+
+/// The error of a run with file and line, where a key of a case file asked for what cannot be.
+pub(super) fn located(error: crate::run::Error, target: &Target) -> Failure {
+    let crate::run::Error::Key { key, .. } = &error else { return error.into() };
+    if !target.is_case() {
+        return error.into();
+    }
+    let file = scene::file_name(&target.path);
+    let overrides = target.overrides().unwrap_or_default();
+    let line = scene::line_unless_set(&target.text, key, &overrides);
+    let line = line.map_or_else(String::new, |line| format!(", line {line}"));
+    format!("{file}{line}: {error}").into()
 }
 
 fn conclude(summary: &Summary, folder: &Path, arguments: &RunArguments) -> ExitCode {

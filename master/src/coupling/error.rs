@@ -2,6 +2,7 @@
 
 use super::Residual;
 use crate::participant;
+use digits::{rounded, six};
 use thiserror::Error;
 
 /// A coupled run that cannot go on.
@@ -11,7 +12,7 @@ pub enum Error {
     #[error(transparent)]
     Participant(#[from] participant::Error),
     /// A participant gave a value that is no number.
-    #[error("{participant}: variable '{variable}' is {value} at t = {time} s")]
+    #[error("{participant}: variable '{variable}' is {value} at t = {} s", six(*time))]
     NotFinite {
         /// Name of the participant.
         participant: String,
@@ -24,10 +25,9 @@ pub enum Error {
     },
     /// No step size was found with which the step converges.
     #[error(
-        "step refused at t = {time} s: with the smallest step, {duration} s, there was no convergence after \
-         {iterations} iterations: {}; raise coupling.maximum_iterations, lower coupling.smallest_step or loosen the \
-         tolerance",
-        list(residuals)
+        "step refused at t = {} s: with the smallest step, {} s, there was no convergence after {iterations} iterations: \
+         {}; raise coupling.maximum_iterations, lower coupling.smallest_step or loosen the tolerance",
+        six(*time), six(*duration), list(residuals)
     )]
     NotConverged {
         /// Start of the step \[s\].
@@ -40,7 +40,10 @@ pub enum Error {
         residuals: Vec<Residual>,
     },
     /// A participant refused the step, down to the smallest size.
-    #[error("step refused at t = {time} s by {participant}, last with {duration} s: {reason}")]
+    #[error(
+        "step refused at t = {} s by {participant}, last with {} s: {}",
+        six(*time), six(*duration), rounded(reason)
+    )]
     StepRefused {
         /// Start of the step \[s\].
         time: f64,

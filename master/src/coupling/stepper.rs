@@ -1,6 +1,7 @@
 //! The implicit step: guess, pass, compare, accelerate; halve the step when that does not converge.
 
 use super::{Accelerator, Clock, Error, IqnIls, Pass, Predictor, Residual, Stall, System, Tolerance};
+use digits::six;
 use scene::Method;
 use serde::{Deserialize, Serialize};
 
@@ -266,8 +267,9 @@ impl Stepper {
         let Some(Accelerator::Newton(newton)) = &mut self.memory.accelerator else { return Ok(()) };
         if let Some(missed) = newton.missed(used, produced) {
             self.warnings.push(format!(
-                "at t = {time} s the directional derivatives missed {:.0} % of the first change of the exchanged \
+                "at t = {} s the directional derivatives missed {:.0} % of the first change of the exchanged \
                  quantities, expected at most 20 %; iqn_ils takes over from newton",
+                six(time),
                 100.0 * missed
             ));
             self.memory.method = Method::IqnIls;
@@ -286,7 +288,7 @@ impl Stepper {
         let eigenvalues = system.jacobian(time)?.complex_eigenvalues();
         let radius = eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max);
         if radius > 1.0 && self.memory.amplification <= 1.0 {
-            self.warnings.push(format!("at t = {time} s {}", amplified(radius)));
+            self.warnings.push(format!("at t = {} s {}", six(time), amplified(radius)));
         }
         self.memory.amplification = self.memory.amplification.max(radius);
         Ok(())

@@ -67,7 +67,8 @@ impl System {
         Ok(system)
     }
 
-    fn connect(&mut self, connection: &Connection) -> Result<(), Error> {
+    /// Makes one more connection.
+    pub fn connect(&mut self, connection: &Connection) -> Result<(), Error> {
         let (from, to) = (&connection.from, &connection.to);
         let (source, target) = (self.find(connection, &from.0)?, self.find(connection, &to.0)?);
         let output = self.variable(source, connection, &from.1, Causality::Output)?;
@@ -109,7 +110,8 @@ impl System {
         let participant = &self.nodes[node].participant;
         let variable = participant.description().variable(participant.name(), name)?;
         if variable.kind != Kind::Real || variable.causality != role {
-            let reason = format!("'{name}' is {:?} {:?}, expected Real {role:?}", variable.kind, variable.causality);
+            let is = format!("of role '{}' and takes {}", variable.causality.name(), variable.kind.words());
+            let reason = format!("'{name}' is {is}, expected the role '{}' and a number", role.name());
             return Err(refusal(connection, reason));
         }
         Ok(variable.clone())

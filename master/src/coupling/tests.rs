@@ -34,6 +34,7 @@ impl Toy {
                 causality,
                 unit: String::new(),
                 description: String::new(),
+                range: crate::participant::UNLIMITED,
             }
         };
         let ins = inputs.iter().enumerate().map(variable(Causality::Input, 0));

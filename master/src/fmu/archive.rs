@@ -50,15 +50,18 @@ impl Archive {
     pub fn unpack(path: &Path, limits: &Limits) -> Result<Self, Error> {
         let name = path.display().to_string();
         let refuse = |reason: String| Error::Archive { path: name.clone(), reason };
-        scene::check_file(path).map_err(refuse)?;
-        let size = path.metadata().map_err(|error| refuse(error.to_string()))?.len();
-        let file = std::fs::File::open(path).map_err(|error| refuse(error.to_string()))?;
+        scene::check_file(path).map_err(|reason| refuse(format!("it cannot be opened: {reason}")))?;
+        let cannot = |error: std::io::Error| refuse(format!("it cannot be opened: {error}"));
+        let size = path.metadata().map_err(cannot)?.len();
+        let file = std::fs::File::open(path).map_err(cannot)?;
         let mut zip = zip::ZipArchive::new(file).map_err(|error| refuse(error.to_string()))?;
         let count = zip.len() as u64;
         if count > limits.entries {
             return Err(refuse(format!("{count} entries, expected at most limits.entries = {}", limits.entries)));
         }
-        let directory = Unpacked::new().map_err(|error| refuse(error.to_string()))?;
+        let place = std::env::temp_dir();
+        let directory = Unpacked::new()
+            .map_err(|error| refuse(format!("no folder for it can be made in {}: {error}", place.display())))?;
         let mut room = Room::new(size, limits);
         for index in 0..zip.len() {
             let mut entry = zip.by_index(index).map_err(|error| refuse(error.to_string()))?;
@@ -70,8 +73,10 @@ impl Archive {
     /// Text of modelDescription.xml.
     pub fn description(&self) -> Result<String, Error> {
         let file = self.directory.path().join("modelDescription.xml");
-        std::fs::read_to_string(file)
-            .map_err(|error| Error::Description { path: self.path.clone(), reason: error.to_string() })
+        std::fs::read_to_string(file).map_err(|error| Error::Description {
+            path: self.path.clone(),
+            reason: format!("it cannot be read: {error}"),
+        })
     }
 
     /// The shared library of this platform.

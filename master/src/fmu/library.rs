@@ -95,7 +95,19 @@ fn check_whole(binary: &Path) -> Result<(), String> {
 
 /// What the system says is in the source of the loader's error, not in its text.
 fn with_cause(error: &libloading::Error) -> String {
-    error.source().map_or_else(|| error.to_string(), |cause| format!("{error}: {cause}"))
+    explained(error.source().map_or_else(|| error.to_string(), |cause| format!("{error}: {cause}")))
+}
+
+/// What to do where the library needs another one that it does not name.
+fn explained(reason: String) -> String {
+    let Some((_, rest)) = reason.split_once("undefined symbol: ") else { return reason };
+    let symbol = rest.split([',', ' ', ')']).next().unwrap_or_default().to_string();
+    let (what, library) = if symbol.starts_with("Py") || symbol.starts_with("_Py") {
+        ("a Python interpreter that it does not load itself", "libpython3.N.so of the Python that it was made with")
+    } else {
+        ("another shared library that it does not load itself", "the library that has it")
+    };
+    format!("{reason}; the FMU needs {what}: preload it, LD_PRELOAD=PATH plimsoll ..., with the path of {library}")
 }
 
 struct Loader<'a> {
@@ -145,5 +157,19 @@ impl Loader<'_> {
         }
         let reason = format!("fmi2GetVersion is '{text}', expected '2.0'");
         Err(Error::Library { path: self.path.to_string(), reason })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_undefined_symbol_says_what_to_preload() {
+        let python = explained("/tmp/a.so: undefined symbol: PyExc_ValueError".into());
+        assert!(python.contains("LD_PRELOAD=PATH") && python.contains("libpython3.N.so"), "{python}");
+        let other = explained("/tmp/a.so: undefined symbol: dgemm_, version X".into());
+        assert!(other.contains("LD_PRELOAD=PATH") && !other.contains("ython"), "{other}");
+        assert_eq!(explained("file too short".into()), "file too short");
     }
 }

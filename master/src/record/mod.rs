@@ -11,7 +11,7 @@ mod whole;
 pub use iterations::{IterationCounts, IterationWriter};
 pub use parquet::write_parquet;
 pub use recipe::{RECIPE, Recipe};
-pub use results::{Grid, ResultMark, ResultWriter, STAGE};
+pub use results::{Grid, ResultMark, ResultWriter, STAGE, recorded};
 pub use series::{Column, Series};
 pub use summary::{CheckResult, CouplingSummary, Status, Summary};
 pub use whole::write_whole;

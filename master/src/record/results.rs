@@ -2,7 +2,7 @@
 
 use super::{Column, Error, Series};
 use crate::coupling::System;
-use crate::participant::{Causality, Kind, Variable};
+use crate::participant::{Causality, Description, Kind, Variable};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -87,22 +87,15 @@ impl ResultWriter {
     }
 
     fn over(file: File, path: &Path, system: &System, exclude: &[String], grid: Grid) -> Self {
-        let mut variables = Vec::new();
-        let mut columns = Vec::new();
-        for (participant, description) in system.descriptions() {
-            let name = |variable: &Variable| format!("{participant}.{}", variable.name);
-            let wanted = |variable: &&Variable| {
-                variable.causality == Causality::Output
-                    && variable.kind != Kind::String
-                    && !variable.name.starts_with(STAGE)
-                    && !exclude.contains(&name(variable))
-            };
-            let chosen: Vec<Variable> = description.variables.iter().filter(wanted).cloned().collect();
-            let column =
-                |variable: &Variable| Column { name: name(variable), unit: variable.unit.clone(), values: Vec::new() };
-            columns.extend(chosen.iter().map(column));
-            variables.push(chosen);
-        }
+        let recorded = recorded(system, exclude);
+        let column = |(name, variable): &(String, Variable)| Column {
+            name: name.clone(),
+            unit: variable.unit.clone(),
+            values: Vec::new(),
+        };
+        let columns = recorded.iter().flatten().map(column).collect();
+        let variables =
+            recorded.into_iter().map(|part| part.into_iter().map(|(_, variable)| variable).collect()).collect();
         let series = Series { times: Vec::new(), columns };
         Self { path: path.to_path_buf(), file, variables, grid, next: 0, series }
     }
@@ -135,6 +128,22 @@ impl ResultWriter {
     pub fn series(&self) -> &Series {
         &self.series
     }
+}
+
+/// The variables of each participant that a run records, with their names in results.csv: all numeric outputs but stage
+/// times and those in `exclude`.
+pub fn recorded(system: &System, exclude: &[String]) -> Vec<Vec<(String, Variable)>> {
+    let of_one = |(participant, description): (&str, &Description)| {
+        let named = description.variables.iter().map(|variable| (format!("{participant}.{}", variable.name), variable));
+        let wanted = named.filter(|(name, variable)| {
+            variable.causality == Causality::Output
+                && variable.kind != Kind::String
+                && !variable.name.starts_with(STAGE)
+                && !exclude.contains(name)
+        });
+        wanted.map(|(name, variable)| (name, variable.clone())).collect()
+    };
+    system.descriptions().map(of_one).collect()
 }
 
 /// Shortest text that reads back as the same number.
