@@ -85,12 +85,12 @@ fn energy_that_nothing_supplied_is_told() {
         "fluid.threads=1",
         "output.interval=0",
         "check=[]",
-        "run.end=0.5",
     ];
-    let (output, summary) = run(folder.path(), "piston", &changes);
+    // It fails at 0.185 s.
+    let (output, summary) = run(folder.path(), "piston", &[&changes[..], &["run.end=0.15"]].concat());
     told(folder.path(), &output, &summary, "that nothing supplied");
     assert!(summary["energy_gain"].as_f64().unwrap() > 0.01);
-    let (output, summary) = run(folder.path(), "piston", &[&changes[..2], &changes[4..]].concat());
+    let (output, summary) = run(folder.path(), "piston", &[&changes[..2], &changes[4..], &["run.end=0.5"]].concat());
     assert_eq!(output.status.code(), Some(0), "newton: {}", summary["missed"]);
     assert!(summary["energy_gain"].as_f64().unwrap() < 0.005, "{}", summary["energy_gain"]);
 }
@@ -109,7 +109,7 @@ fn a_period_near_the_step_is_warned_of_everywhere() {
     let mut check = Command::new(env!("CARGO_BIN_EXE_plimsoll"));
     check.current_dir(folder.path()).args(["check", concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/free_decay.toml")]);
     let output = check.args(stiff.iter().flat_map(|change| ["--set", change])).output().unwrap();
-    assert!(String::from_utf8_lossy(&output.stdout).contains(&format!("# warning: {warning}")), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains(&format!("warning: {warning}")), "{output:?}");
 }
 
 /// A polygon of 32 corners with a radius of 0.1 m, held under water: its load is recorded and is what it displaces.

@@ -380,7 +380,7 @@ def broken_fmus(bench):
     missing, text, cut = (bench.folder / f"{name}.fmu" for name in ("missing", "text", "cut"))
     text.write_text("no archive")
     cut.write_bytes(whole.read_bytes()[:100_000])
-    refuse("missing", missing, "No such file")
+    refuse("missing", missing, "there is no such file")
     refuse("not an archive", text, "cannot unpack")
     refuse("cut off", cut, "cannot unpack")
     change("no description", "modelDescription", lambda _: None, "modelDescription.xml")

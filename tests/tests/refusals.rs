@@ -112,7 +112,7 @@ fn impossible_structures_are_refused_with_numbers() {
         ("structure.beam.length=-1", &["structure.beam.length = -1"][..]),
         ("structure.beam.damping=[0.1,0.2]", &["structure.beam.damping = 2", "from 0 to 1"]),
         ("structure.integrator.beta=0.1", &["beta", "0.1", "gamma/2"]),
-        ("gravity=[1.0,-9.81]", &["gravity = [1.0, -9.81]"]),
+        ("gravity=[1.0,-9.81]", &["gravity = [1, -9.81]"]),
         (free, &["structure.inertia = 0", "structure.free has theta"]),
         ("structure.free=['x']", &["structure.mass = 0", "structure.free has x"]),
         (twice, &["coincide", "(0, 0)"]),

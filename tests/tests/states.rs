@@ -127,10 +127,10 @@ fn states_of_another_scene_are_refused_with_both_names() {
         let before = bits::<C>(&second);
         assert_eq!(second.from_bytes(&bytes).err(), Some(Status::ERROR));
         assert_eq!(second.restore(&state), Status::ERROR);
-        for message in second.messages().iter().filter(|text| text.contains("the state belongs")) {
-            assert!(titles.iter().all(|title| message.contains(title)), "{message}");
-        }
-        assert_eq!(second.messages().iter().filter(|text| text.contains("the state belongs")).count(), 2);
+        let messages = second.messages();
+        let told =
+            |text: &String| text.contains("the state belongs") && titles.iter().all(|title| text.contains(title));
+        assert_eq!(messages.iter().filter(|text| told(text)).count(), 2, "{messages:?}");
         assert_eq!(bits::<C>(&second), before);
         assert_eq!(second.step(0.0, STEP), Status::OK, "the instance is as before: {:?}", second.messages());
         assert_eq!(first.free(state), Status::OK);

@@ -301,7 +301,7 @@ mod tests {
         let force = parameters.uniform_force(0.0) - Vector2::new(0.1 * std::f64::consts::PI.powi(2), -9.81);
         assert!(force.norm() < 1e-12, "{force:?}");
         let shaken = SCENE.replace("[structure]\n", "shaking = { amplitude = [0.1, 0.0] }\n[structure]\n");
-        assert!(fluid(&scene(&shaken)).unwrap_err().to_string().contains("fluid.shaking.amplitude = [0.1, 0.0]"));
+        assert!(fluid(&scene(&shaken)).unwrap_err().to_string().contains("fluid.shaking.amplitude = [0.1, 0]"));
     }
 
     #[test]
@@ -314,6 +314,6 @@ mod tests {
         assert_eq!(fluid(&scene(&given)).unwrap().0.solve.tolerance, 1e-5);
         assert!(structure(&scene(text)).unwrap_err().to_string().contains("[structure]"));
         let tilted = SCENE.replace("title = 'box'", "title = 'box'\ngravity = [1.0, -9.81]");
-        assert!(structure(&scene(&tilted)).unwrap_err().to_string().contains("[1.0, -9.81]"));
+        assert!(structure(&scene(&tilted)).unwrap_err().to_string().contains("[1, -9.81]"));
     }
 }

@@ -17,7 +17,8 @@ pub fn read_text(path: &Path) -> Result<String, Error> {
         return Err(refuse(format!("{what} (`plimsoll schema case` says how); packages are for other masters")));
     }
     let content = read_file(path)?;
-    String::from_utf8(content).map_err(|error| refuse(format!("it is no text in UTF-8: {}", error.utf8_error())))
+    String::from_utf8(content)
+        .map_err(|error| refuse(format!("it is no text in UTF-8 from byte {} on", error.utf8_error().valid_up_to())))
 }
 
 /// Reads a file. What is no file, and might give bytes without end or none for ever, is refused: a named pipe, a device.

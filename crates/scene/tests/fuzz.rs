@@ -249,7 +249,7 @@ proptest! {
 /// The changes above leave enough scenes sound for the round trip to mean something, and break enough of them.
 #[test]
 fn both_ends_are_reached() {
-    let mut runner = proptest::test_runner::TestRunner::new(fuzzing::config(400));
+    let mut runner = proptest::test_runner::TestRunner::new(fuzzing::config(600));
     let counts = [std::cell::Cell::new(0), std::cell::Cell::new(0)];
     let strategy = (any::<Index>(), changes(3));
     let outcome = runner.run(&strategy, |(which, changes)| {

@@ -135,7 +135,7 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("structure.integrator.rho_infinity", &["-0.01", "1.01"], &["0", "1"]),
     ("structure.integrator.beta", &["0.009", "1.01"], &["0.01", "1"]),
     ("structure.integrator.gamma", &["0.49", "1.01"], &["0.5", "1"]),
-    ("structure.beam.length", &["-1", "0", "0.01", "1e-16", "1.1e15"], &["0.011"]),
+    ("structure.beam.length", &["-1", "0", "1e-16", "1.1e15"], &["0.011"]),
     ("structure.beam.thickness", &["-1", "0", "0.1", "1e-16", "1.1e15"], &["1e-3", "0.099"]),
     ("structure.beam.density", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
     ("structure.beam.youngs_modulus", &["-1", "0", "1.1e15"], &["1e-3", "210000000000"]),
@@ -186,9 +186,8 @@ fn names(message: &str, key: &str, value: &str) {
         from_override || message.contains(&format!("{point} = ")) || message.contains(&format!("{shown} = ")),
         "{key}={value}: {message}"
     );
-    let number = value.parse::<f64>().map_or_else(|_| value.to_string(), |number| number.to_string());
-    let in_list = value.parse::<f64>().map_or_else(|_| value.to_string(), |number| format!("{number:?}"));
-    assert!(message.contains(&number) || message.contains(&in_list) || from_override, "{key}={value}: {message}");
+    let number = value.parse::<f64>().map_or_else(|_| value.to_string(), |number| digits::six(number).to_string());
+    assert!(message.contains(&number) || from_override, "{key}={value}: {message}");
     assert!(message.contains("expected"), "{key}={value}: {message}");
 }
 
@@ -227,7 +226,7 @@ fn no_number_may_be_infinite_or_none() {
         for value in ["nan", "inf", "-inf"] {
             let message = with(key, value).expect_err(&format!("{key}={value} is accepted"));
             names(&message, key, value);
-            assert!(!integer || message.contains("floating point"), "{message}");
+            assert!(!integer || message.contains("expected a whole number"), "{message}");
         }
         let message = with(key, "'text'").expect_err(&format!("{key}='text' is accepted"));
         assert!(message.contains(key) && message.contains("\"text\""), "{message}");

@@ -18,8 +18,8 @@ fn what_can_never_be_computed_is_known_before_a_run() {
     let none = said("curve_maximum", "file = 'none.csv'\ncolumns = ['t', 'p']");
     assert!(none.contains("none.csv") && none.contains("cannot be read"), "{none}");
     let column = said("curve_rms", "file = 'good.csv'\ncolumns = ['t', 'q']");
-    assert!(column.contains("no column 'q' in t, p"), "{column}");
-    assert!(said("curve_rms", "file = 'bad.csv'\ncolumns = ['t', 'p']").contains("is no number"));
+    assert!(column.contains("no column 'q' among its 2"), "{column}");
+    assert!(said("curve_rms", "file = 'bad.csv'\ncolumns = ['t', 'p']").contains("row 1, column 'p': no number"));
 }
 
 fn check(kind: &str, rest: &str) -> Check {

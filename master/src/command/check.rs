@@ -115,10 +115,12 @@ fn say(estimate: Option<Estimate>) {
     let water =
         if internal > 1.01 * steps { format!(" ({internal:.0} internal ones of the water)") } else { String::new() };
     let (time, megabytes) = (duration(seconds), memory / 1e6);
-    answer!("# about {steps:.0} steps{water}, {time} on this machine and {megabytes:.0} MB,");
+    answer!("# about {steps:.0} steps{water}, give or take 30 %; {megabytes:.0} MB;");
     let share = 100.0 * seen;
     let of = if seen > 0.99 { String::new() } else { format!(" of the first {share:.0} %") };
-    answer!("# give or take 30 %: from a coarse trial{of} and a few steps with all particles;");
+    // Other programs on the machine make a step slower or faster than in the trial by as much.
+    answer!("# {time} on this machine as busy as it is now, give or take a factor of two;");
+    answer!("# from a coarse trial{of} and a few steps with all particles;");
 }
 
 fn duration(seconds: f64) -> String {

@@ -94,7 +94,8 @@ fn done(arguments: &RunArguments, target: &Target) -> Result<Option<Summary>, Fa
     if !same || text != target.text {
         return Ok(None);
     }
-    Ok(Some(Summary::read(&folder.join("summary.json"))?))
+    let summary = Summary::read(&folder.join("summary.json"));
+    Ok(Some(summary.map_err(|error| format!("{error}; --overwrite does the run again"))?))
 }
 
 /// Runs a scene or a case and writes everything about it into the folder that is returned.

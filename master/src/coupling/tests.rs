@@ -355,5 +355,5 @@ fn wrong_connections_are_named() {
     let participant = attempt(link(("spring", "v1"), ("water", "v1")));
     assert!(participant.contains("known: springs, water"), "{participant}");
     let role = attempt(link(("springs", "q1"), ("water", "v1")));
-    assert!(role.contains("expected Real Output"), "{role}");
+    assert!(role.contains("expected the role 'output' and a number"), "{role}");
 }
