@@ -455,7 +455,7 @@ def odd_paths(bench):
     out = odd / "Ergebnis für später 船"
     for locale in ("C", "de_DE.UTF-8"):
         environment["LC_ALL"] = locale
-        done = bench.run("run", scene, *coarse, "--out", out, program=program, cwd=odd, env=environment)
+        done = bench.run("run", scene, *coarse, "--overwrite", "--out", out, program=program, cwd=odd, env=environment)
         problems = good(done, out)
         frames = sorted(path.name for path in (out / "frames").glob("*.pvd"))
         problems += [] if frames == ["particles.pvd", "structure.pvd"] else [f"frames: {frames}"]
@@ -619,8 +619,8 @@ def resumed_runs(bench):
         path.write_bytes(content)
 
     refuse("a byte of the checkpoint flipped", "checkpoint.bin", flip, "damaged")
-    refuse("half a checkpoint", "checkpoint.bin", lambda path: os.truncate(path, path.stat().st_size // 2), "damaged")
-    refuse("an empty checkpoint", "checkpoint.bin", lambda path: os.truncate(path, 0), "no checkpoint")
+    refuse("half a checkpoint", "checkpoint.bin", lambda path: os.truncate(path, path.stat().st_size // 2), "a truncated checkpoint")
+    refuse("an empty checkpoint", "checkpoint.bin", lambda path: os.truncate(path, 0), "a truncated checkpoint: 0 bytes")
     refuse("half the results", "results.csv", lambda path: os.truncate(path, path.stat().st_size // 4), "bytes")
     refuse("no results", "results.csv", Path.unlink, "No such file")
     denser = ["--set", "fluid.density=1025"]
