@@ -95,7 +95,7 @@ impl Memory {
 
     fn take_energy(&mut self, seen: &Seen, share: f64, reference: &Reference) {
         let (rise, scale) = self.rise(seen, reference);
-        if scale <= 0.0 {
+        if scale <= 0.5 * (reference.water + reference.body) * reference.still.powi(2) {
             return;
         }
         self.gain = self.gain.max(rise / scale);
@@ -150,7 +150,7 @@ impl Memory {
     fn take_speed(&mut self, seen: &Seen, factor: f64, reference: &Reference) {
         let share = |energy: f64, mass: f64| if mass > 0.0 { 2.0 * energy.max(0.0) / mass } else { 0.0 };
         let supplied = share(self.work, reference.water) + share(self.body_kinetic, reference.body);
-        let allowed = (reference.squared_speed + supplied).sqrt();
+        let allowed = (reference.squared_speed + supplied).sqrt().max(reference.still);
         if factor > 0.0 && allowed > 0.0 && seen.speed > factor * allowed {
             self.tell(Kind::Speed, || {
                 format!(
@@ -230,6 +230,20 @@ mod tests {
         let limits = scene::Watch { lost: 1.0, ..scene::Watch::default() };
         assert!(Memory::default().take(&half, &limits, Some(&reference())).is_empty(), "meant to run out");
         assert_eq!(Memory::default().take(&half, &scene::Watch::default(), None).len(), 1, "in a case of FMUs too");
+    }
+
+    /// Without gravity and motion there is nothing but rounding to measure by.
+    #[test]
+    fn rounding_is_no_motion() {
+        let reference = Reference { water: 1000.0, still: 1e-10, ..Reference::default() };
+        let found = |speed: f64| {
+            let mut memory = Memory::default();
+            let at =
+                |time: f64, speed: f64| Seen { speed, water: [500.0 * speed * speed, 0.0], ..seen(time, 0.0, 0.0) };
+            memory.take(&at(0.0, 1e-24), &scene::Watch::default(), Some(&reference));
+            memory.take(&at(1.0, speed), &scene::Watch::default(), Some(&reference)).len()
+        };
+        assert_eq!((found(1e-21), found(1e-9)), (0, 2));
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub struct Reference {
     pub body: f64,
     /// Square of the speed that the start, a fall through the scene and the attraction give \[m2/s2\].
     pub squared_speed: f64,
+    /// Speed \[m/s\] below which nothing moves: in the whole run by less than a billionth of a spacing, as by rounding.
+    pub still: f64,
     /// Largest acceleration of a shaken tank \[m/s2\] and its angular frequency \[rad/s\].
     pub shaking: (Point, f64),
     /// Constant load on the coordinates of the structure.
@@ -37,6 +39,7 @@ impl Reference {
         let mut reference = Self { gravity, lowest: if lowest.is_finite() { lowest } else { 0.0 }, ..Self::default() };
         if let Some(fluid) = fluid {
             reference.water = fluid.density * fluid.water.iter().map(scene::Polygon::area).sum::<f64>();
+            reference.still = 1e-9 * fluid.spacing / scene.run.end;
             let fall = water.iter().map(height).fold(reference.lowest, f64::max) - reference.lowest;
             let start = water.iter().map(|point| squared_start(&fluid.start, point)).fold(0.0, f64::max);
             let reach = water.iter().map(|it| it[0] * it[0] + it[1] * it[1]).fold(0.0, f64::max);
@@ -87,6 +90,7 @@ mod tests {
         // From the surface at 1 m to the lowest corner, and 3 m/s, and the shaking's 0.1 pi m/s.
         let expected = 2.0 * 9.81 * 1.5 + 9.0 + (0.1 * pi).powi(2);
         assert!((reference.squared_speed - expected).abs() < 1e-12, "{}", reference.squared_speed);
+        assert!((reference.still - 1e-10).abs() < 1e-20, "{}", reference.still);
         assert!((reference.shaking.0[0] - 0.1 * pi * pi).abs() < 1e-12 && reference.shaking.1 == pi);
         let text = "title = 't'\ngravity = [0.0, -2.0]\n[run]\nend = 1.0\ncommunication_step = 0.1\n[structure]\n\
             origin = [1.0, 1.0]\nangle = 1.5707963267948966\nfree = ['y']\nmass = 3.0\n\
