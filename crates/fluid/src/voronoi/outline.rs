@@ -83,7 +83,7 @@ impl<'a> Outline<'a> {
     /// Highest place where the free surface crosses the vertical line at `x`; `lowest` where there is no water \[m\].
     ///
     /// The pieces of surface of two cells may leave a gap over the line, and the cell beside it may have no surface that
-    /// can be told: there the highest cell that hangs together with others on both sides of it says how far water goes.
+    /// can be told: there the highest cell near the line that touches two others at least says how far water goes.
     pub fn level(&self, x: f64, lowest: f64) -> f64 {
         let (mut highest, mut top) = (lowest, lowest);
         for (i, position) in self.state.positions.iter().enumerate() {
