@@ -118,8 +118,8 @@ fn say(estimate: Option<Estimate>) {
     answer!("# about {steps:.0} steps{water}, give or take 30 %; {megabytes:.0} MB;");
     let share = 100.0 * seen;
     let of = if seen > 0.99 { String::new() } else { format!(" of the first {share:.0} %") };
-    // Other programs on the machine make a step slower or faster than in the trial by as much.
-    answer!("# {time} on this machine as busy as it is now, give or take a factor of two;");
+    // Other programs on the machine make a step slower than in the trial: short runs on a busy one took six times as long.
+    answer!("# {time} on this machine as busy as it is now, roughly: busier ones took up to six times as long;");
     answer!("# from a coarse trial{of} and a few steps with all particles;");
 }
 
