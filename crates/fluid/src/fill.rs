@@ -102,6 +102,7 @@ fn is_water(turns: i32, number: usize, point: &Vector2<f64>) -> Result<bool, Err
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::outline::tests::keyhole;
 
     #[test]
     fn box_keeps_its_area_and_stays_half_a_spacing_from_its_sides() {
@@ -124,21 +125,7 @@ mod tests {
     /// Particles stand on both sides of the slit that joins a hole to the outside, and none in the hole.
     #[test]
     fn a_hole_joined_by_a_slit_stays_empty() {
-        let corners = [
-            (0.0, 0.0),
-            (1.0, 0.0),
-            (1.0, 1.0),
-            (0.5, 1.0),
-            (0.5, 0.6),
-            (0.6, 0.6),
-            (0.6, 0.4),
-            (0.4, 0.4),
-            (0.4, 0.6),
-            (0.5, 0.6),
-            (0.5, 1.0),
-            (0.0, 1.0),
-        ];
-        let polygon: Vec<_> = corners.iter().map(|&(x, y)| Vector2::new(x, y)).collect();
+        let polygon = keyhole();
         let filling = fill(std::slice::from_ref(&polygon), 0.05).unwrap();
         assert_eq!(filling.positions.len(), 384, "0.96 m2 in squares of 0.05 m");
         let in_hole = |place: &&Vector2<f64>| (place.x - 0.5).abs() < 0.1 && (place.y - 0.5).abs() < 0.1;

@@ -136,7 +136,7 @@ pub fn winding(polygon: &[Vector2<f64>], point: &Vector2<f64>) -> i32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::fill::signed_area;
 
@@ -159,7 +159,8 @@ mod tests {
         (0.5, 1.0),
     ];
 
-    fn keyhole() -> Vec<Vector2<f64>> {
+    /// The same with its last corner.
+    pub fn keyhole() -> Vec<Vector2<f64>> {
         points(&KEYHOLE).into_iter().chain([Vector2::new(0.0, 1.0)]).collect()
     }
 

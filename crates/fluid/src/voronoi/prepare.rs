@@ -23,7 +23,7 @@ use nalgebra::{DVector, Matrix2, Vector2};
 pub struct Prepared {
     key: Option<(u64, u64)>,
     partial: Vec<u64>,
-    /// Time at the start of the step \[s\].
+    /// Time in the middle of the step \[s\].
     pub time: f64,
     /// Foretold motion of the body in the middle of the step, where its walls stand during it, as the particles do: the
     /// load on the walls is then that of the middle of the step over which it is held. A load of the start would feed
