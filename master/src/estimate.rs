@@ -9,6 +9,7 @@ use crate::record::Series;
 use crate::run::{self, Outcome};
 use crate::scene_case::{self, FLUID, Places};
 use components::memory;
+use fluid::SUGGESTED_SHARE;
 use scene::{Scene, Scheme};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -22,8 +23,6 @@ const FULL_SECONDS: f64 = 2.0;
 const MOST_TRIED: usize = 2_000_000;
 /// Processor time of a particle in an internal step \[s\], as measured (docs/benchmarks), where no step is tried.
 const STEP_SECONDS: f64 = 0.9e-6;
-/// Share of its stable step that the fluid suggests to a master.
-const SUGGESTED_SHARE: f64 = 0.8;
 /// Share of the Courant number from which the speed limits a step of the trial, rather than the acceleration.
 const BY_SPEED: f64 = 0.97;
 

@@ -58,6 +58,6 @@ pub use parameters::{
 };
 pub use places::{Instrument, Misplaced};
 pub use report::{Report, StageTimes};
-pub use solver::{Solver, Workspace};
+pub use solver::{SUGGESTED_SHARE, Solver, Workspace};
 pub use stages::Stages;
 pub use state::{AreaRate, State};

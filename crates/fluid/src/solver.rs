@@ -329,7 +329,7 @@ fn domain(walls: &Walls, positions: &[Vector2<f64>]) -> (Vector2<f64>, Vector2<f
 
 /// Share of the stable step that is suggested to a master, so that the next step needs no division although the flow
 /// gets faster meanwhile: only a step without division has a load that is exactly affine in the motion.
-const SUGGESTED_SHARE: f64 = 0.8;
+pub const SUGGESTED_SHARE: f64 = 0.8;
 /// Share of n0 below which a particle flies on its own.
 const LONELY: f64 = 0.2;
 /// Share of its speed that such a particle counts with in the Courant number: it interacts with nothing, and needs only
