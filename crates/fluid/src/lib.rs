@@ -15,6 +15,7 @@ mod contact;
 mod error;
 mod fill;
 mod free_surface;
+mod gaps;
 mod grid;
 mod grid_level;
 pub mod images;

@@ -3,8 +3,10 @@
 //! Coupling iterations repeat a step from the same state with other motions of the body. What is prepared here is
 //! kept in the workspace under the fingerprint of its state, so that a repeat only solves.
 
+use crate::contact::BodyContact;
 use crate::fill::Filling;
 use crate::free_surface;
+use crate::gaps::{self, ClosedGap};
 use crate::images;
 use crate::kernel::Kernel;
 use crate::matrix::Matrix;
@@ -27,7 +29,10 @@ pub struct Setting {
     pub parameters: Parameters,
     pub paper: PaperParameters,
     pub geometry: Geometry,
+    /// Walls with narrow gaps closed.
     pub layout: WallLayout,
+    /// The gaps that were closed.
+    pub gaps: Vec<ClosedGap>,
     pub kernel: Kernel,
     /// Side of the square of a particle's area \[m\].
     pub spacing: f64,
@@ -42,12 +47,26 @@ impl Setting {
         };
         let spacing = filling.effective_spacing;
         let kernel = Kernel::new(paper.influence_radius, filling.cell);
-        Self { paper, kernel, layout: WallLayout::new(&geometry, spacing), spacing, parameters, geometry }
+        let drawn = WallLayout::new(&geometry, spacing);
+        let mut setting = Self { paper, kernel, layout: drawn, gaps: Vec::new(), spacing, parameters, geometry };
+        let walls = setting.walls(&Motion::at_rest(setting.modes()).position);
+        (setting.layout, setting.gaps) = gaps::close(&setting.layout, &walls, spacing);
+        setting
     }
 
     /// Number of modes of the body; 0 without one.
     pub fn modes(&self) -> usize {
         self.geometry.body.as_ref().map_or(0, |body| body.modes())
+    }
+
+    /// What of the body, as drawn, must not meet the fixed walls.
+    pub fn contact(&self) -> BodyContact {
+        let drawn = WallLayout::new(&self.geometry, self.spacing);
+        let start = Motion::at_rest(self.modes()).position;
+        let mut walls = Walls::default();
+        let body = self.geometry.body.as_ref().map(|body| (body, &start));
+        walls.place(&drawn, body, self.kernel.radius, self.spacing);
+        BodyContact::new(&drawn.panels, &walls, self.spacing)
     }
 
     /// Walls with the body at `coordinates`.

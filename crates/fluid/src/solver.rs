@@ -95,13 +95,18 @@ impl Solver {
         check::fits_together(&walls, &setting.geometry, &positions, spacing)?;
         check::no_overlap(&positions, spacing)?;
         let domain = domain(&walls, &positions);
-        let contact = BodyContact::new(&setting.layout.panels, &walls, spacing);
+        let contact = setting.contact();
         Ok(Self { setting, contact, start: positions, volumes, domain, pool })
     }
 
     /// Number of modes of the body; 0 without one.
     pub fn modes(&self) -> usize {
         self.setting.modes()
+    }
+
+    /// Corners at which a gap too narrow for a particle was closed, and its width \[m\].
+    pub fn closed_gaps(&self) -> impl Iterator<Item = (Vector2<f64>, f64)> {
+        self.setting.gaps.iter().map(|gap| (gap.corner, gap.width))
     }
 
     /// Whether the scheme gives an added mass.

@@ -109,10 +109,10 @@ pub struct Attachment {
     pub normal: Vector2<f64>,
 }
 
-/// Which walls there are: the fixed polylines and the body's panels.
+/// Which walls there are: the pieces of the fixed polylines and the body's panels.
 #[derive(Debug, Clone)]
 pub struct WallLayout {
-    fixed: Vec<Vec<Vector2<f64>>>,
+    fixed: Vec<[Vector2<f64>; 2]>,
     /// Panels of the body, merged where a rigid wall is straight.
     pub panels: Vec<[MaterialPoint; 2]>,
     /// Depth behind each panel \[m\].
@@ -122,7 +122,8 @@ pub struct WallLayout {
 impl WallLayout {
     /// Lays out the walls of a geometry; panels of a bending beam are at most two spacings long.
     pub fn new(geometry: &Geometry, spacing: f64) -> Self {
-        let mut layout = Self { fixed: geometry.fixed_walls.clone(), panels: Vec::new(), panel_depth: Vec::new() };
+        let pieces = geometry.fixed_walls.iter().flat_map(|wall| wall.windows(2)).map(|pair| [pair[0], pair[1]]);
+        let mut layout = Self { fixed: pieces.collect(), panels: Vec::new(), panel_depth: Vec::new() };
         if let Some(body) = &geometry.body {
             let thickness = body.beam.as_ref().map_or(f64::INFINITY, |beam| beam.thickness);
             for panel in body.panels(2.0 * spacing) {
@@ -148,6 +149,18 @@ impl WallLayout {
         self.panels.push(ends);
         self.panel_depth.push(f64::INFINITY);
     }
+
+    /// Makes the segment of this number `factor` times as long, at its end or at its start.
+    pub fn prolong(&mut self, segment: usize, at_end: bool, factor: f64) {
+        let (from, moved) = if at_end { (0, 1) } else { (1, 0) };
+        if let Some(piece) = self.fixed.get_mut(segment) {
+            piece[moved] = piece[from] + (piece[moved] - piece[from]) * factor;
+        } else if let Some(panel) = self.panels.get_mut(segment - self.fixed.len())
+            && let Some(point) = MaterialPoint::between(panel[from], panel[moved], factor)
+        {
+            panel[moved] = point;
+        }
+    }
 }
 
 /// All walls at one instant.
@@ -170,10 +183,9 @@ impl Walls {
         self.segments.clear();
         self.chains.clear();
         (self.radius, self.spacing) = (radius, spacing);
-        for polyline in &layout.fixed {
-            for (k, pair) in polyline.windows(2).enumerate() {
-                self.add_segment(pair[0], pair[1], FIXED, f64::INFINITY, k > 0);
-            }
+        for (index, [start, end]) in layout.fixed.iter().enumerate() {
+            let joined = index > 0 && layout.fixed[index - 1][1] == *start;
+            self.add_segment(*start, *end, FIXED, f64::INFINITY, joined);
         }
         if let Some((body, coordinates)) = body {
             for (index, ends) in layout.panels.iter().enumerate() {

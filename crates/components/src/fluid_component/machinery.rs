@@ -4,6 +4,7 @@ use super::{GAUGES, PROBES, REGIONS, instruments};
 use crate::frames::{Field, Frame, Series, single, write_frame};
 use crate::parameters::{SceneParameters, same_model};
 use crate::{Error, conversion};
+use digits::six;
 use fmi2::Failure;
 use nalgebra::Vector2;
 use scene::Scene;
@@ -112,8 +113,20 @@ pub(super) fn solver(scene: &Scene, modes: usize) -> Result<SetUp, Error> {
     within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;
     let walls = geometry.fixed_walls.clone();
     let solver = fluid::Solver::new(numbers, geometry)?;
-    let warnings = instruments::judge(scene, &solver)?;
+    let warnings = [instruments::judge(scene, &solver)?, closed_gaps(&solver)].concat();
     Ok(SetUp { solver, walls, warnings })
+}
+
+/// What is said of gaps that the solver takes for closed.
+fn closed_gaps(solver: &fluid::Solver) -> Vec<String> {
+    let told = |(corner, width): (Vector2<f64>, f64)| {
+        let (x, y, width, spacing) = (six(corner.x), six(corner.y), six(width), six(solver.effective_spacing()));
+        format!(
+            "the gap of {width} m at ({x}, {y}) is too narrow for particles of {spacing} m and counts as closed; \
+             lower fluid.spacing to {width} m to let water through",
+        )
+    };
+    solver.closed_gaps().map(told).collect()
 }
 
 fn within(what: &'static str, got: usize, limit: usize, hint: &'static str) -> Result<(), Error> {
