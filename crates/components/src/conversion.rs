@@ -222,6 +222,7 @@ fn accurate(accurate: &scene::Accurate) -> fluid::AccurateParameters {
         repulsion: accurate.repulsion,
         spreading: accurate.spreading,
         smoothing: accurate.smoothing,
+        enclosed_pressure: accurate.enclosed_pressure,
     }
 }
 

@@ -54,6 +54,8 @@ pub struct Matrix {
     pub row_sums: Vec<f64>,
     chunks: Vec<Rows>,
     groups: Groups,
+    /// Whether some of them fill compartments.
+    enclosed: bool,
 }
 
 impl Matrix {
@@ -91,7 +93,7 @@ impl Matrix {
     }
 
     /// Assembles the matrix of Voronoi cells: every particle is an unknown, and free surfaces are row sums.
-    pub fn assemble_cells(&mut self, cells: &Cells) {
+    pub fn assemble_cells(&mut self, cells: &Cells, volumes: &[f64]) {
         let count = cells.cells.len();
         if self.rows.len() != count {
             self.rows.clear();
@@ -107,8 +109,13 @@ impl Matrix {
             let cell = &cells.cells[i];
             if cell.is_open() { cell.surface / cell.depth } else { 0.0 }
         });
-        let enclosed = self.groups.settle(cells, &mut self.row_sums);
-        self.add_row_sums(enclosed);
+        self.enclosed = self.groups.settle(cells, volumes, &mut self.row_sums);
+        self.add_row_sums(self.enclosed);
+    }
+
+    /// Groups of cells, where there is water that touches no free surface.
+    pub fn compartments(&self) -> Option<&Groups> {
+        self.enclosed.then_some(&self.groups)
     }
 
     /// Fills in the rows; the diagonal gets their sums.

@@ -159,11 +159,21 @@ pub struct AccurateParameters {
     pub spreading: f64,
     /// Strength of the smoothing of velocities that neighbours do not explain, 0 (off) to 10.
     pub smoothing: f64,
+    /// Pressure at the highest point of water that touches no free surface \[Pa\], which nothing else determines.
+    pub enclosed_pressure: f64,
 }
 
 impl Default for AccurateParameters {
     fn default() -> Self {
-        Self { alpha: 0.01, courant: 0.4, shifting: 1.0, repulsion: 20.0, spreading: 30.0, smoothing: 1.0 }
+        Self {
+            alpha: 0.01,
+            courant: 0.4,
+            shifting: 1.0,
+            repulsion: 20.0,
+            spreading: 30.0,
+            smoothing: 1.0,
+            enclosed_pressure: 0.0,
+        }
     }
 }
 
@@ -340,7 +350,8 @@ impl AccurateParameters {
         within("shifting", self.shifting, 0.0, 10.0)?;
         within("repulsion", self.repulsion, 0.0, 100.0)?;
         within("spreading", self.spreading, 0.0, 200.0)?;
-        within("smoothing", self.smoothing, 0.0, 10.0)
+        within("smoothing", self.smoothing, 0.0, 10.0)?;
+        within("enclosed_pressure", self.enclosed_pressure, -1e12, 1e12)
     }
 }
 

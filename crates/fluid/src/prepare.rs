@@ -59,14 +59,15 @@ impl Setting {
         self.geometry.body.as_ref().map_or(0, |body| body.modes())
     }
 
-    /// What of the body, as drawn, must not meet the fixed walls.
-    pub fn contact(&self) -> BodyContact {
-        let drawn = WallLayout::new(&self.geometry, self.spacing);
+    /// Walls at the start as they are drawn, and what of the body must not meet the fixed ones.
+    pub fn drawn(&self) -> (Walls, BodyContact) {
+        let layout = WallLayout::new(&self.geometry, self.spacing);
         let start = Motion::at_rest(self.modes()).position;
         let mut walls = Walls::default();
         let body = self.geometry.body.as_ref().map(|body| (body, &start));
-        walls.place(&drawn, body, self.kernel.radius, self.spacing);
-        BodyContact::new(&drawn.panels, &walls, self.spacing)
+        walls.place(&layout, body, self.kernel.radius, self.spacing);
+        let contact = BodyContact::new(&layout.panels, &walls, self.spacing);
+        (walls, contact)
     }
 
     /// Walls with the body at `coordinates`.

@@ -91,11 +91,10 @@ impl Solver {
             .num_threads(threads)
             .build()
             .map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
-        let walls = setting.walls(&Motion::at_rest(setting.modes()).position);
+        let (walls, contact) = setting.drawn();
         check::fits_together(&walls, &setting.geometry, &positions, spacing)?;
         check::no_overlap(&positions, spacing)?;
         let domain = domain(&walls, &positions);
-        let contact = setting.contact();
         Ok(Self { setting, contact, start: positions, volumes, domain, pool })
     }
 

@@ -130,6 +130,7 @@ impl Solver {
         let accelerations = &mut workspace.accurate.accelerations;
         mean_acceleration(&workspace.target, &state.motion, pace.time_step, accelerations);
         self.solve_for_walls(state.time, workspace, report)?;
+        self.level_compartments(accurate, workspace);
         state.pressures.copy_from_slice(&workspace.solution);
         watch.lap(&mut report.stages.solve);
         Ok(())
@@ -146,6 +147,15 @@ impl Solver {
         self.solve_for_walls(state.time, workspace, report)?;
         workspace.accurate.base.clone_from(&workspace.solution);
         Ok(())
+    }
+
+    /// Gives the pressure of water that touches no free surface its zero.
+    fn level_compartments(&self, accurate: &AccurateParameters, workspace: &mut Workspace) {
+        let Workspace { accurate: prepared, solution, .. } = workspace;
+        if let Some(groups) = prepared.matrix.compartments() {
+            let up = -self.setting.parameters.gravity * self.setting.parameters.density;
+            groups.level(&prepared.cells, &prepared.positions, &up, accurate.enclosed_pressure, solution);
+        }
     }
 
     /// Solves for the pressure with the accelerations of the walls as set, from the guess in `workspace.solution`.

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{accurate, parameters, points, rectangle, tank};
-use fluid::{Geometry, Observables, Solver, State};
+use fluid::{Error, Geometry, Observables, Solver, State};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
 
@@ -26,16 +26,8 @@ fn rested(geometry: Geometry) -> (State, Observables) {
 #[test]
 fn water_beside_a_block_over_a_narrow_gap_is_at_rest() {
     for gap in [0.0, 0.001, 0.005, 0.01] {
-        let water = points(&[
-            (0.0, 0.0),
-            (0.4, 0.0),
-            (0.4, 0.1),
-            (0.5, 0.1),
-            (0.5, 0.0),
-            (0.9, 0.0),
-            (0.9, 0.3),
-            (0.0, 0.3),
-        ]);
+        let water =
+            points(&[(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (0.5, 0.1), (0.5, 0.0), (0.9, 0.0), (0.9, 0.3), (0.0, 0.3)]);
         let block = points(&[(0.4, gap), (0.4, 0.1), (0.5, 0.1), (0.5, gap), (0.4, gap)]);
         let (_, figures) = rested(Geometry {
             water: vec![water],
@@ -70,5 +62,33 @@ fn a_gate_over_a_narrow_gap_is_tight() {
         assert!((state.load[0] / expected - 1.0).abs() < 0.01, "gap {gap}: {} N/m for {expected}", state.load[0]);
         assert!(state.positions.iter().all(|place| place.x < 0.3), "gap {gap}: the water leaks");
         assert!(figures.maximum_speed < 0.01, "gap {gap}: {} m/s", figures.maximum_speed);
+    }
+}
+
+/// The same gate is stopped before it sinks into the floor, although it stood on it from the start.
+#[test]
+fn a_body_that_stands_on_the_floor_does_not_sink_into_it() {
+    for gap in [0.0, 0.001] {
+        let block = rectangle(0.5, gap, 0.6, 0.5);
+        let block: Vec<_> = block.iter().chain(&block[..1]).rev().copied().collect();
+        let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![block], beam: None };
+        let geometry = Geometry {
+            water: vec![rectangle(0.0, 0.0, 0.3, 0.3)],
+            fixed_walls: vec![tank(1.2, 0.6)],
+            body: Some(body),
+            ..Geometry::default()
+        };
+        let solver = Solver::new(parameters(accurate(), SPACING, 1e-8, 2), geometry).unwrap();
+        let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
+        let mut sink = |depth: f64| {
+            let mut end = Motion::at_rest(0);
+            end.position[1] = -depth;
+            solver.step(&mut state, &end, 0.01, &mut workspace)
+        };
+        sink(gap + 0.2 * SPACING).unwrap();
+        match sink(gap + 0.3 * SPACING) {
+            Err(Error::Contact { y, .. }) => assert!((y + 0.3 * SPACING).abs() < 1e-9, "at {y} m"),
+            other => panic!("{other:?}"),
+        }
     }
 }

@@ -247,11 +247,21 @@ pub struct Accurate {
     pub spreading: f64,
     /// Strength of the smoothing of velocities that neighbours do not explain (0 to 10), 0 switches it off.
     pub smoothing: f64,
+    /// Pressure at the highest point of water that fills a closed tank, Pa: nothing else determines it.
+    pub enclosed_pressure: f64,
 }
 
 impl Default for Accurate {
     fn default() -> Self {
-        Self { alpha: 0.01, courant: 0.4, shifting: 1.0, repulsion: 20.0, spreading: 30.0, smoothing: 1.0 }
+        Self {
+            alpha: 0.01,
+            courant: 0.4,
+            shifting: 1.0,
+            repulsion: 20.0,
+            spreading: 30.0,
+            smoothing: 1.0,
+            enclosed_pressure: 0.0,
+        }
     }
 }
 

@@ -220,6 +220,7 @@ fn validate_fluid(check: &Checker, fluid: &Fluid, has_body: bool) -> Result<(), 
     check.within("fluid.accurate.repulsion", accurate.repulsion, 0.0, 100.0)?;
     check.within("fluid.accurate.spreading", accurate.spreading, 0.0, 200.0)?;
     check.within("fluid.accurate.smoothing", accurate.smoothing, 0.0, 10.0)?;
+    check.within("fluid.accurate.enclosed_pressure", accurate.enclosed_pressure, -1e12, 1e12)?;
     let paper = &fluid.paper;
     check.within("fluid.paper.influence_radius", paper.influence_radius, 2.1, 4.0)?;
     check.within("fluid.paper.alpha", paper.alpha, 0.0, 1.0)?;

@@ -28,7 +28,7 @@ wall = [{ points = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]] }]
 probe = [{ name = "p", point = [0.0, 0.1] }, { name = "l", from = [0.0, 0.1], to = [0.0, 0.4], count = 3 }]
 gauge = [{ name = "g", x = 0.5 }]
 region = [{ name = "r", polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]] }]
-accurate = { alpha = 0.01, courant = 0.4, shifting = 1.0, repulsion = 20.0, spreading = 30.0, smoothing = 1.0 }
+accurate = { alpha = 0.01, courant = 0.4, shifting = 1.0, repulsion = 20.0, spreading = 30.0, smoothing = 1.0, enclosed_pressure = 0.0 }
 paper = { influence_radius = 3.1, alpha = 0.01, courant = 0.2, shifting = 0.03, collision_distance = 0.8, restitution = 0.2, surface_deviation = 0.2 }
 solve = { tolerance = 1e-3, maximum_iterations = 100 }
 [structure]
@@ -115,6 +115,7 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("fluid.accurate.repulsion", &["-0.01", "101"], &["0", "100"]),
     ("fluid.accurate.spreading", &["-0.01", "201"], &["0", "200"]),
     ("fluid.accurate.smoothing", &["-0.01", "10.1"], &["0", "10"]),
+    ("fluid.accurate.enclosed_pressure", &["-1.1e12", "1.1e12"], &["-1e12", "1e12"]),
     ("fluid.paper.influence_radius", &["2.09", "4.01"], &["2.1", "4"]),
     ("fluid.paper.alpha", &["-0.01", "1.01"], &["0", "1"]),
     ("fluid.paper.courant", &["0.009", "0.51"], &["0.01", "0.5"]),

@@ -1,15 +1,23 @@
 //! Water that touches no free surface: its pressure is determined up to a constant only.
+//!
+//! Where it fills a compartment, the constant is the user's: that the highest point has a given pressure, by default
+//! none, as if a thin pipe led from there to the air. Cells pressed together by a splash get a vent instead.
 
 use super::cells::Cells;
+use super::facet::Facet;
 use crate::parallel::{CHUNK, Lists};
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 /// Least weight of a facet that ties two cells together. A group held by weaker ones has a matrix so nearly singular
 /// that its pressure, and with it a load, is noise.
 const STRONG: f64 = 0.02;
-/// Smallest group of cells without a free surface that is solved for as it is: smaller ones, pressed into a corner by
-/// a splash, get a vent.
+/// Smallest group of cells without a free surface that is solved for as it is, wherever it is: smaller ones are taken
+/// for water pressed into a corner by a splash, unless they fill a compartment.
 const SMALLEST: u32 = 50;
+/// Largest share by which the cells of a small group may be larger or smaller than its water, to be a compartment that
+/// it fills.
+const FULL: f64 = 0.01;
 /// Conductance to the air of a cell of such a group, that of a flat free surface.
 const VENT: f64 = 2.0;
 
@@ -22,6 +30,27 @@ pub struct Groups {
     across: Lists<(u32, u32)>,
     /// Number of cells of the group of each leader, and whether one of them is open.
     size: Vec<(u32, bool)>,
+    /// Groups without a free surface, in the order of their leaders.
+    closed: Vec<Closed>,
+}
+
+/// What is known of a group of cells without a free surface.
+#[derive(Debug, Clone, Copy, Default)]
+struct Closed {
+    leader: u32,
+    size: u32,
+    /// Whether it touches another group.
+    touches: bool,
+    /// Area of the cells, and of the water in them \[m2\].
+    area: f64,
+    volume: f64,
+}
+
+impl Closed {
+    fn is_compartment(&self) -> bool {
+        let full = (self.area - self.volume).abs() <= FULL * self.volume;
+        self.size >= SMALLEST || full && !self.touches
+    }
 }
 
 impl Groups {
@@ -30,7 +59,7 @@ impl Groups {
     ///
     /// Groups are found within chunks of particles at once, and then joined across them: the groups are the same
     /// whatever the order.
-    pub fn settle(&mut self, cells: &Cells, to_air: &mut [f64]) -> bool {
+    pub fn settle(&mut self, cells: &Cells, volumes: &[f64], to_air: &mut [f64]) -> bool {
         let count = to_air.len();
         self.leader.resize(count, 0);
         let writers = (self.leader.par_chunks_mut(CHUNK), self.across.writers(count));
@@ -58,7 +87,7 @@ impl Groups {
             join(&mut self.leader, i, j);
         }
         self.count(to_air);
-        self.vent(to_air)
+        self.find_closed(cells, volumes) && self.vent(to_air)
     }
 
     /// Size and openness of every group; afterwards `leader` names the first member of each cell's group.
@@ -74,19 +103,55 @@ impl Groups {
         }
     }
 
-    fn vent(&self, to_air: &mut [f64]) -> bool {
-        let mut large = false;
+    /// Looks closer at groups without a free surface; whether there are any.
+    fn find_closed(&mut self, cells: &Cells, volumes: &[f64]) -> bool {
+        self.closed.clear();
         if self.size.iter().all(|&(size, open)| open || size == 0) {
-            return large;
+            return false;
         }
-        for (conductance, &leader) in to_air.iter_mut().zip(&self.leader) {
-            match self.size[leader as usize] {
-                (_, true) => {}
-                (size, false) if size < SMALLEST => *conductance = VENT,
-                _ => large = true,
+        for (i, &leader) in self.leader.iter().enumerate() {
+            let (size, open) = self.size[leader as usize];
+            if open {
+                continue;
             }
+            // The leader is the first of its members.
+            if leader as usize == i {
+                self.closed.push(Closed { leader, size, ..Closed::default() });
+            }
+            let beyond = |facet: &Facet| self.leader[facet.neighbour as usize] != leader;
+            let Some(place) = self.place(leader) else { continue };
+            let closed = &mut self.closed[place];
+            closed.touches |= cells.facets.of(i).iter().any(beyond);
+            closed.area += cells.cells[i].area;
+            closed.volume += volumes[i];
         }
-        large
+        true
+    }
+
+    /// Where a group without a free surface stands in the list of these.
+    fn place(&self, leader: u32) -> Option<usize> {
+        self.closed.binary_search_by_key(&leader, |closed| closed.leader).ok()
+    }
+
+    fn vent(&self, to_air: &mut [f64]) -> bool {
+        let vented = |leader: &u32| self.place(*leader).is_some_and(|place| !self.closed[place].is_compartment());
+        to_air.iter_mut().zip(&self.leader).filter(|(_, leader)| vented(leader)).for_each(|(air, _)| *air = VENT);
+        self.closed.iter().any(Closed::is_compartment)
+    }
+
+    /// Gives every compartment its constant: `pressure` at its highest point. `up` is the direction against gravity
+    /// times the weight of a volume \[N/m3\].
+    pub fn level(&self, cells: &Cells, places: &[Vector2<f64>], up: &Vector2<f64>, pressure: f64, values: &mut [f64]) {
+        for &Closed { leader, size, .. } in self.closed.iter().filter(|group| group.is_compartment()) {
+            let members = || (leader as usize..values.len()).filter(|&i| self.leader[i] == leader);
+            let walls = |i: usize| cells.walls.of(i).iter().flat_map(|wall| wall.facet.ends());
+            let highest = |i: usize| walls(i).map(|end| up.dot(&end)).fold(0.0, f64::max) + up.dot(&places[i]);
+            let top = members().map(highest).fold(f64::NEG_INFINITY, f64::max);
+            let excess = |i: usize| values[i] - (top - up.dot(&places[i]));
+            let shift = pressure - members().map(excess).sum::<f64>() / f64::from(size);
+            let own = values.iter_mut().zip(&self.leader).filter(|(_, of)| **of == leader);
+            own.for_each(|(value, _)| *value += shift);
+        }
     }
 }
 

@@ -56,6 +56,11 @@ impl Facet {
         self.normal * self.height + turn(&self.normal) * (0.5 * (self.from + self.to))
     }
 
+    /// From the particle to start and end \[m\].
+    pub fn ends(&self) -> [Vector2<f64>; 2] {
+        [self.from, self.to].map(|place| self.normal * self.height + turn(&self.normal) * place)
+    }
+
     /// From the middle to the neighbour \[m\].
     #[inline]
     pub fn beyond(&self) -> Vector2<f64> {

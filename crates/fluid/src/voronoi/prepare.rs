@@ -149,7 +149,7 @@ impl Prepared {
         self.smooth(accurate, pace.time_step);
         self.ask(accurate, state, pace);
         self.build_source(setting, pace.time_step);
-        self.matrix.assemble_cells(&self.cells);
+        self.matrix.assemble_cells(&self.cells, &state.volumes);
         self.multigrid.set_up(&self.matrix, &self.positions, setting.spacing, setting.spacing * setting.spacing);
     }
 

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 fn assembled(water: &Arrangement) -> Matrix {
     let mut matrix = Matrix::default();
-    matrix.assemble_cells(&water.cells);
+    matrix.assemble_cells(&water.cells, &water.volumes);
     matrix
 }
 
