@@ -57,7 +57,8 @@ pub struct Check {
     /// For curves: whether the distance is divided by the mean magnitude of the reference.
     #[serde(default)]
     pub relative: bool,
-    /// Length of a running mean, or of the means at both ends of the window \[s\].
+    /// Length of a running mean, of the means at both ends of the window, or of the means of the series that are compared
+    /// with the points of a curve \[s\].
     #[serde(default)]
     pub window: Option<f64>,
     /// Level whose first crossing is looked for, after offset and scale.
@@ -111,9 +112,11 @@ pub enum CheckKind {
     TimeOfMaximum,
     /// Time when the value first exceeds `level`, times `time_scale`.
     ArrivalTime,
-    /// Root mean square distance to a reference curve, at its points inside the window.
+    /// Root mean square distance to a reference curve, at its points inside the window; with `window`, of means of that
+    /// length about each point.
     CurveRms,
-    /// Largest distance to a reference curve, at its points inside the window.
+    /// Largest distance to a reference curve, at its points inside the window; with `window`, of means of that length
+    /// about each point.
     CurveMaximum,
     /// Largest excess over a band between two curves.
     Band,

@@ -1,6 +1,6 @@
 //! A series against a reference curve or between two curves.
 
-use super::series::{columns, interpolate};
+use super::series::{columns, interpolate, mean_about};
 use super::{Figure, Points};
 use scene::{Check, CheckKind};
 use std::collections::BTreeMap;
@@ -107,7 +107,8 @@ pub(super) fn distance_to(check: &Check, points: &Points, folder: &Path, norm: N
     let (from, to) = (bound(check.from, f64::NEG_INFINITY), bound(check.to, f64::INFINITY));
     curve.retain(|(time, _)| (from..=to).contains(time));
     let scaled: Points = points.iter().map(|(time, value)| (time * check.time_scale, *value)).collect();
-    let distance = |shift: f64| distance(&scaled, &curve, shift, norm);
+    let window = check.window.unwrap_or(0.0) * check.time_scale;
+    let distance = |shift: f64| distance(&scaled, &curve, shift, window, norm);
     let shift = if check.free_shift { best_shift(&curve, &distance) } else { 0.0 };
     let (distance, share) = distance(shift);
     if !distance.is_finite() {
@@ -122,9 +123,9 @@ pub(super) fn distance_to(check: &Check, points: &Points, folder: &Path, norm: N
     Ok(Figure { value, reference: Some(0.0), details })
 }
 
-/// Distance, and the share of the curve's points that lie in the series; infinite below one half.
-fn distance(series: &[(f64, f64)], curve: &[(f64, f64)], shift: f64, norm: Norm) -> (f64, f64) {
-    let gap = |(time, value): &(f64, f64)| interpolate(series, time + shift).map(|found| found - value);
+/// Distance of means over `window`, and the share of the curve's points that lie in the series; infinite below one half.
+fn distance(series: &[(f64, f64)], curve: &[(f64, f64)], shift: f64, window: f64, norm: Norm) -> (f64, f64) {
+    let gap = |(time, value): &(f64, f64)| mean_about(series, time + shift, window).map(|found| found - value);
     let gaps: Vec<f64> = curve.iter().filter_map(gap).collect();
     let share = gaps.len() as f64 / curve.len().max(1) as f64;
     (if share < 0.5 { f64::INFINITY } else { norm(&gaps) }, share)

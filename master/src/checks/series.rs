@@ -188,6 +188,21 @@ pub(crate) fn interpolate(points: &[(f64, f64)], time: f64) -> Option<f64> {
     Some(if t1 > t0 { v0 + (v1 - v0) * ((time - t0) / (t1 - t0)).clamp(0.0, 1.0) } else { v0 })
 }
 
+/// Mean over a window about a time, of the straight lines between the records; none where the window is not within
+/// them. Without a window the value at the time.
+pub(super) fn mean_about(points: &[(f64, f64)], time: f64, window: f64) -> Option<f64> {
+    if window <= 0.0 {
+        return interpolate(points, time);
+    }
+    let (begin, end) = (time - 0.5 * window, time + 0.5 * window);
+    let first = (begin, interpolate(points, begin)?);
+    let last = (end, interpolate(points, end)?);
+    let within = points.partition_point(|(t, _)| *t <= begin)..points.partition_point(|(t, _)| *t < end);
+    let all = std::iter::once(first).chain(points.get(within)?.iter().copied()).chain(std::iter::once(last));
+    let areas = all.clone().zip(all.skip(1)).map(|((t0, v0), (t1, v1))| 0.5 * (t1 - t0) * (v0 + v1));
+    Some(areas.sum::<f64>() / window)
+}
+
 /// Columns of a reference file by name: comma-separated, `#` starts a comment, the first row names the columns.
 pub(super) fn columns(path: &std::path::Path, names: &[String]) -> Result<Vec<Vec<f64>>, String> {
     let wrong = |reason: String| record::Error::new(path, reason).to_string();

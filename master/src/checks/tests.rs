@@ -130,6 +130,29 @@ fn distances_to_a_curve_inside_the_window() {
 }
 
 #[test]
+fn means_over_a_window_are_compared_with_a_curve() {
+    let curve = |rest: &str, value: &dyn Fn(f64) -> f64| {
+        let points = vec![[0.05, 0.0], [0.3, 0.0], [0.62, 0.0]];
+        let curve = Check { points, ..check("curve_maximum", rest) };
+        let result = evaluate_one(&curve, &series(value), Path::new(""));
+        (result.value.unwrap(), result.details["points_compared"])
+    };
+    // A spike of one record, 0.001 s apart from its neighbours: its triangle has an area of 0.001.
+    let spike = |t: f64| if (t - 0.3).abs() < 1e-9 { 1.0 } else { 0.0 };
+    assert_eq!(curve("", &spike).0, 1.0);
+    let (found, compared) = curve("window = 0.1", &spike);
+    assert!((found - 0.01).abs() < 1e-9 && compared == 3.0, "{found} {compared}");
+    // Ends between the records count too: of t^2 the mean over 0.6195 to 0.6205 of the lines between the records.
+    let (found, _) = curve("window = 0.001", &|t| t * t);
+    let between = 0.5 * (0.619 * 0.619 + 0.62 * 0.62);
+    let after = 0.5 * (0.62 * 0.62 + 0.621 * 0.621);
+    let expected = 0.25 * (between + 2.0 * 0.62 * 0.62 + after);
+    assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    // The first point has no whole window about it.
+    assert_eq!(curve("window = 0.12", &spike).1, 2.0);
+}
+
+#[test]
 fn water_at_rest_over_all_frames_in_a_window() {
     use components::frames::{Field, Frame, Series as Frames};
     let folder = tempfile::tempdir().unwrap();
