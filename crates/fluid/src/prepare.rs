@@ -89,8 +89,8 @@ impl Setting {
 pub struct Pace {
     /// Length of the step \[s\].
     pub time_step: f64,
-    /// Length that stability would allow \[s\].
-    pub stable_step: f64,
+    /// Length that stability would allow at the default Courant number \[s\].
+    pub ordinary_step: f64,
     /// Share of the communication step.
     pub share: f64,
 }
@@ -296,12 +296,12 @@ impl Prepared {
 /// printed n^k is alpha times the divergence already present. Adaptive: Sun et al. (2015), with the density error
 /// clipped at two per cent.
 ///
-/// A step shorter than stability demands removes a smaller share of the density error, in proportion: the time in which
-/// the error decays, dt / alpha, then stays that of the stable step. With the printed constant alpha a master that
+/// A step shorter than the stable one at the default Courant number removes a smaller share of the density error, in
+/// proportion: the time in which the error decays, dt / alpha, then stays that of this step. With the printed constant alpha a master that
 /// shortens its step would be answered with pressures that grow as 1 / dt^2.
 fn source_term(paper: &PaperParameters, divergence: f64, lack: f64, pace: Pace) -> f64 {
     let time_step = pace.time_step;
-    let slowing = (time_step / pace.stable_step).min(1.0);
+    let slowing = (time_step / pace.ordinary_step).min(1.0);
     let lack = lack * slowing;
     match paper.source {
         Source::Mixed => (1.0 - paper.alpha) * divergence / time_step + paper.alpha * lack / (time_step * time_step),

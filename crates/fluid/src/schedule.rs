@@ -9,6 +9,8 @@ pub struct Limits {
     pub spacing: f64,
     /// Courant number.
     pub courant: f64,
+    /// The scheme's default Courant number.
+    pub ordinary_courant: f64,
     /// Largest speed of particles and walls \[m/s\].
     pub speed: f64,
     /// Largest acceleration expected, at least gravity \[m/s2\].
@@ -24,6 +26,12 @@ impl Limits {
         let by_speed = self.courant * self.spacing / self.speed.max(1e-12);
         let by_acceleration = self.ease * (self.spacing / self.acceleration.max(1e-12)).sqrt();
         by_speed.min(by_acceleration)
+    }
+
+    /// The same at the scheme's default Courant number: the time scale of what is done to errors step by step, so that it
+    /// does not get stronger where a smaller Courant number makes more steps.
+    pub fn ordinary_step(&self) -> f64 {
+        Self { courant: self.ordinary_courant, ..*self }.stable_step()
     }
 }
 
@@ -59,7 +67,8 @@ mod tests {
 
     #[test]
     fn steps_land_exactly_and_change_slowly() {
-        let limits = Limits { spacing: 0.01, courant: 0.2, speed: 1.7, acceleration: 9.81, ease: 0.1 };
+        let limits =
+            Limits { spacing: 0.01, courant: 0.2, ordinary_courant: 0.2, speed: 1.7, acceleration: 9.81, ease: 0.1 };
         let (mut left, mut last, mut steps) = (0.01_f64, 0.0, Vec::new());
         while left > 0.0 {
             let step = next_step(&limits, left, last, 0.0).unwrap();

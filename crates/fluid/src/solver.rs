@@ -10,7 +10,7 @@ use crate::observe::{self, Observables};
 use crate::order::Order;
 use crate::panel_motion::PanelMotion;
 use crate::parallel;
-use crate::parameters::{Geometry, Parameters, Scheme};
+use crate::parameters::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme};
 use crate::prepare::{Pace, Prepared, Setting};
 use crate::pressure::ConjugateGradient;
 use crate::report::Report;
@@ -188,8 +188,8 @@ impl Solver {
     pub fn begin(&self, state: &mut State, workspace: &mut Workspace) -> Result<Report, Error> {
         self.check_body_inside(&state.motion, state.time)?;
         let mut report = Report::default();
-        let time_step = self.limits_now(state).stable_step();
-        let pace = Pace { time_step, stable_step: time_step, share: 1.0 };
+        let limits = self.limits_now(state);
+        let pace = Pace { time_step: limits.stable_step(), ordinary_step: limits.ordinary_step(), share: 1.0 };
         workspace.target.clone_from(&state.motion);
         self.pool.install(|| self.find_load(state, pace, workspace, &mut report))?;
         Ok(report)
@@ -252,7 +252,7 @@ impl Solver {
             done = if last { duration } else { done + time_step };
             workspace.target.clone_from(end);
             interpolate(&start.motion, end, duration, done / duration, &mut workspace.target);
-            let pace = Pace { time_step, stable_step: now.stable_step(), share: time_step / duration };
+            let pace = Pace { time_step, ordinary_step: now.ordinary_step(), share: time_step / duration };
             self.internal_step(candidate, pace, workspace, &mut report)?;
             candidate.time = start.time + done;
         }
@@ -282,11 +282,11 @@ impl Solver {
                 acceleration = acceleration.max(body.acceleration(*point, &state.motion).norm());
             }
         }
-        let (courant, ease) = match &self.setting.parameters.scheme {
-            Scheme::Paper(paper) => (paper.courant, 0.1),
-            Scheme::Accurate(accurate) => (accurate.courant, 0.25),
+        let (courant, ordinary_courant, ease) = match &self.setting.parameters.scheme {
+            Scheme::Paper(paper) => (paper.courant, PaperParameters::default().courant, 0.1),
+            Scheme::Accurate(accurate) => (accurate.courant, AccurateParameters::default().courant, 0.25),
         };
-        Limits { spacing: self.setting.spacing, courant, speed, acceleration, ease }
+        Limits { spacing: self.setting.spacing, courant, ordinary_courant, speed, acceleration, ease }
     }
 
     /// The same limits with the speed of the walls on the way to `end` and there.

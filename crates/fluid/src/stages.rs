@@ -20,7 +20,7 @@ impl<'a> Stages<'a> {
     /// Ready for a step of a given length \[s\]; none with the scheme `paper`.
     pub fn new(solver: &'a Solver, state: State, time_step: f64) -> Option<Self> {
         let Scheme::Accurate(accurate) = &solver.setting.parameters.scheme else { return None };
-        let pace = Pace { time_step, stable_step: time_step, share: 1.0 };
+        let pace = Pace { time_step, ordinary_step: time_step, share: 1.0 };
         let mut stages = Self { solver, accurate, state, workspace: solver.workspace(), pace };
         stages.cells();
         stages.assembly();

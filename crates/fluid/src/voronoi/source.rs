@@ -46,7 +46,7 @@ impl Prepared {
     /// What every area asks for.
     pub(super) fn ask(&mut self, accurate: &AccurateParameters, state: &State, pace: Pace) {
         let time_step = pace.time_step;
-        let share = accurate.alpha * (time_step / pace.stable_step).min(1.0);
+        let share = accurate.alpha * (time_step / pace.ordinary_step).min(1.0);
         let mut asked = std::mem::take(&mut self.asked);
         asked.resize(self.positions.len(), Asked::default());
         let prepared = &*self;
