@@ -194,17 +194,31 @@ impl Cells {
                 moment += facet.middle() * normal.transpose();
             }
             cell.outward = -closed;
-            // It is no shorter than the straight line between its ends, whatever became of these; rounding is left alone.
-            let straight = cell.outward.norm();
-            if straight > cell.surface * (1.0 + 1e-6) {
-                cell.surface = straight;
-            }
+            // It is no shorter than the straight line between its ends, whatever became of these.
+            cell.surface = cell.surface.max(SHORTEST * cell.outward.norm());
             let rest = Matrix2::identity() * cell.filled - moment;
             let exact = rest * cell.outward / (cell.surface * cell.depth);
-            cell.lift = cell.outward + (exact - cell.outward) * cell.flatness();
+            cell.lift = cell.outward + (exact - cell.outward) * (cell.flatness() * fit(cell));
         });
     }
 }
+
+/// How well the free surface of a cell encloses its particle's area: 1 up to a twentieth off, 0 from 15 per cent off. A
+/// surface that may not come nearer to the particle, or not go farther away, has a force that is exact for no pressure
+/// field; without being the adjoint of the area's rate either it did work on a particle that flew away from its
+/// neighbours under suction for 20 ms, and water of 92 J/m gained 4.
+fn fit(cell: &Cell) -> f64 {
+    let miss = (cell.area - cell.filled).abs() / cell.filled.max(f64::MIN_POSITIVE);
+    ((FIT[1] - miss) / (FIT[1] - FIT[0])).clamp(0.0, 1.0)
+}
+
+/// Shares of its area by which a cell fits its particle well enough and not at all.
+const FIT: [f64; 2] = [0.05, 0.15];
+
+/// Length of a cell's surface, at least, over the straight line between its ends. These stand at the mean depth of two
+/// cells, so that along a smooth surface the line is longer than the surface at the cell's own depth by a little: with
+/// 1 a drop in a central field loses 1.5 per cent of its energy in five periods, with this 1.2.
+const SHORTEST: f64 = 0.95;
 
 /// Facets as each cell sees them.
 struct Seen<'a> {

@@ -34,6 +34,8 @@ const ROOMY: [f64; 2] = [1.2, 1.5];
 const SHARPEST: f64 = 1.9;
 /// Least and largest distance of the free surface from a particle, in spacings.
 const DEPTHS: [f64; 2] = [0.15, 0.8];
+/// Least length of the free surface of a cell in spacings: with none the cell's pressure would be undetermined.
+const LEAST_SURFACE: f64 = 0.2;
 /// Walls have the labels above this many below the box.
 const MOST_WALLS: u32 = MOST as u32;
 /// Corners of an outline that are looked at; a cell has six on average.
@@ -259,7 +261,7 @@ impl<'a> Shape<'a> {
         let root = (linear * linear + 2.0 * bend * lack).max(0.0).sqrt();
         let wanted = 2.0 * lack / (linear + root).max(1e-12 * spacing);
         let depth = wanted.clamp(DEPTHS[0] * spacing, DEPTHS[1] * spacing);
-        let surface = (linear + bend * depth).max(0.2 * spacing);
+        let surface = (linear + bend * depth).max(LEAST_SURFACE * spacing);
         Level { area: constant + linear * depth + 0.5 * bend * depth * depth, depth, surface }
     }
 
