@@ -198,22 +198,10 @@ impl Cells {
             cell.surface = cell.surface.max(SHORTEST * cell.outward.norm());
             let rest = Matrix2::identity() * cell.filled - moment;
             let exact = rest * cell.outward / (cell.surface * cell.depth);
-            cell.lift = cell.outward + (exact - cell.outward) * (cell.flatness() * fit(cell));
+            cell.lift = cell.outward + (exact - cell.outward) * cell.flatness();
         });
     }
 }
-
-/// How well the free surface of a cell encloses its particle's area: 1 up to a twentieth off, 0 from 15 per cent off. A
-/// surface that may not come nearer to the particle, or not go farther away, has a force that is exact for no pressure
-/// field; without being the adjoint of the area's rate either it did work on a particle that flew away from its
-/// neighbours under suction for 20 ms, and water of 92 J/m gained 4.
-fn fit(cell: &Cell) -> f64 {
-    let miss = (cell.area - cell.filled).abs() / cell.filled.max(f64::MIN_POSITIVE);
-    ((FIT[1] - miss) / (FIT[1] - FIT[0])).clamp(0.0, 1.0)
-}
-
-/// Shares of its area by which a cell fits its particle well enough and not at all.
-const FIT: [f64; 2] = [0.05, 0.15];
 
 /// Length of a cell's surface, at least, over the straight line between its ends. These stand at the mean depth of two
 /// cells, so that along a smooth surface the line is longer than the surface at the cell's own depth by a little: with
