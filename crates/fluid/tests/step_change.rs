@@ -83,15 +83,16 @@ fn halving_the_step_changes_no_load() {
     assert!(pressure.iter().all(|offset| offset.abs() < 0.05), "pressure {pressure:?}");
 }
 
-/// A fifth of the step and back: medians of 26 values that scatter by 12 %. The first short step is off by up to 15 %
+/// A fifth of the step and back: medians of 26 values that scatter by 12 %, so that a median has a standard deviation of
+/// 3 % and the farthest of 30 is off by 10 % once in a hundred runs. The first two short steps are off by up to 15 and 12 %
 /// either way, from one arrangement of the jet to another; with positions in the middle of the last step it was 96 %.
 #[test]
-fn a_fifth_of_the_step_shows_in_its_first_step_only() {
+fn a_fifth_of_the_step_shows_in_its_first_two_steps_only() {
     let [load, pressure] = changing(1e-3, 2e-4).map(|values| offsets(&values));
     println!("load {load:.3?}, pressure {pressure:.3?}");
     for offsets in [load, pressure] {
-        assert!(offsets[0].abs() < 0.2, "{offsets:?}");
-        assert!(offsets[1..].iter().all(|offset| offset.abs() < 0.08), "{offsets:?}");
+        assert!(offsets[..2].iter().all(|offset| offset.abs() < 0.2), "{offsets:?}");
+        assert!(offsets[2..].iter().all(|offset| offset.abs() < 0.1), "{offsets:?}");
     }
 }
 
