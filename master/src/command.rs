@@ -52,7 +52,7 @@ enum Command {
     /// (coupling), summary.json and summary.md, plots/, frames/ (VTK for ParaView), log.txt, and what the run was made
     /// of: scene.toml and run.json, which lists all of these files. `plimsoll run FOLDER --out OTHER` repeats it to the
     /// bit. The exit code is 0 only when the run reached its end and kept its limits, those of its checks and those of
-    /// [watch]. A complete run in the folder is replaced only with --overwrite, and a folder that holds anything that no
+    /// `[watch]`. A complete run in the folder is replaced only with --overwrite, and a folder that holds anything that no
     /// run wrote is refused.
     Run(RunArguments),
     /// Make fluid.fmu and structure.fmu.

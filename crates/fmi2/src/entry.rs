@@ -61,7 +61,7 @@ unsafe fn slice<'a, T>(pointer: *const T, count: usize, what: &str) -> Result<&'
     }
 }
 
-/// As [`slice`], for results.
+/// As [`slice()`], for results.
 ///
 /// # Safety
 /// A pointer that is not NULL leads to `count` writable, initialised values that nobody else uses during the call.

@@ -28,7 +28,7 @@ pub enum Error {
     /// A generalised load that is not a finite number.
     #[error("load component {component} is {value} at t = {} s; every component has to be finite", six(*time))]
     LoadNotFinite {
-        /// Name of the component: fx, fy, mz, q[1] ...
+        /// Name of the component: fx, fy, mz, q\[1\] ...
         component: String,
         /// What was given.
         value: f64,
@@ -41,7 +41,7 @@ pub enum Error {
         six(*time)
     )]
     StateNotFinite {
-        /// Name of the coordinate: x, y, theta, q[1] ...
+        /// Name of the coordinate: x, y, theta, q\[1\] ...
         coordinate: String,
         /// Which of position, velocity and acceleration.
         rate: &'static str,

@@ -45,7 +45,7 @@ pub(super) struct Node {
     pub(super) outputs: Vec<u32>,
     pub(super) names: Vec<String>,
     values: Vec<f64>,
-    /// Wall-clock time spent in steps [s].
+    /// Wall-clock time spent in steps \[s\].
     seconds: f64,
 }
 

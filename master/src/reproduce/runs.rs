@@ -162,7 +162,7 @@ struct BandRow {
     max_m: f64,
 }
 
-/// Smallest and largest published displacement of the tip [mm].
+/// Smallest and largest published displacement of the tip \[mm\].
 fn band(path: &Path) -> Result<Band, Failure> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path)?;
     let mut points = Vec::new();
