@@ -15,115 +15,60 @@ use std::process::Command;
 /// C library's for processors without fused products) to 1e-8 at the end of the plate's run, 1e-11 of the cabin's.
 const ELSEWHERE: [f64; 2] = [1e-12, 1e-6];
 
-/// A run: what is stored under, the scene, and what is set.
-struct Run {
-    name: &'static str,
-    scene: &'static str,
-    set: &'static [&'static str],
-}
-
-/// Both schemes, no body, bodies held and free, beams, each way of coupling, probes, gauges, regions, forces on the water.
-const RUNS: &[Run] = &[
-    Run {
-        name: "dam_break",
-        scene: "dam_break_impact",
-        set: &["fluid.spacing=0.02", "run.end=0.6", "output.record_interval=0.02"],
-    },
-    Run {
-        name: "dam_break_classical",
-        scene: "dam_break_impact",
-        set: &["fluid.spacing=0.02", "run.end=0.4", "output.record_interval=0.02", "fluid.scheme=paper"],
-    },
-    Run { name: "wave", scene: "standing_wave", set: &["fluid.spacing=0.05", "run.end=0.6"] },
-    Run { name: "sloshing", scene: "forced_sloshing", set: &["fluid.spacing=0.05", "run.end=0.6"] },
-    Run {
-        name: "drop",
-        scene: "oscillating_drop",
-        set: &["fluid.spacing=0.1", "fluid.start.jitter=0.05", "run.end=1.0"],
-    },
-    Run {
-        name: "drop_stretched",
-        scene: "stretching_drop",
-        set: &["fluid.spacing=0.1", "output.record_interval=4e-4", "fluid.start.jitter=0.05"],
-    },
-    Run {
-        name: "plate",
-        scene: "dam_break_plate",
-        set: &["fluid.spacing=0.012", "run.end=0.3", "output.record_interval=0.01"],
-    },
-    Run {
-        name: "plate_classical",
-        scene: "dam_break_plate",
-        set: &["fluid.spacing=0.012", "run.end=0.2", "output.record_interval=0.01", "fluid.scheme=paper"],
-    },
-    Run {
-        name: "cabin",
-        scene: "damaged_cabin",
-        set: &["fluid.spacing=0.04", "run.end=0.3", "output.record_interval=0.01"],
-    },
-    Run {
-        name: "cabin_held",
-        scene: "damaged_cabin",
-        set: &["fluid.spacing=0.04", "run.end=0.1", "structure.free=[]", "output.record_interval=0.01"],
-    },
-    Run {
-        name: "cabin_rigid",
-        scene: "damaged_cabin",
-        set: &["fluid.spacing=0.04", "run.end=0.2", "structure.beam.modes=0", "output.record_interval=0.01"],
-    },
-    Run {
-        name: "box_rolls",
-        scene: "floating_box_roll_free",
-        set: &["fluid.spacing=0.05", "run.end=0.3", "output.record_interval=0.01"],
-    },
-    Run {
-        name: "piston_newton",
-        scene: "piston",
-        set: &["fluid.spacing=0.04", "run.end=0.4", "coupling.method=newton", "output.record_interval=0.02"],
-    },
-    Run {
-        name: "piston_iqn_ils",
-        scene: "piston",
-        set: &["fluid.spacing=0.04", "run.end=0.4", "coupling.method=iqn_ils", "output.record_interval=0.02"],
-    },
-    Run {
-        name: "piston_aitken",
-        scene: "piston",
-        set: &[
-            "fluid.spacing=0.04",
-            "run.end=0.2",
-            "coupling.method=aitken",
-            "structure.mass=400.0",
-            "output.record_interval=0.02",
-        ],
-    },
-    Run {
-        name: "piston_constant",
-        scene: "piston",
-        set: &[
-            "fluid.spacing=0.04",
-            "run.end=0.2",
-            "coupling.method=constant",
-            "coupling.relaxation=0.5",
-            "structure.mass=400.0",
-            "output.record_interval=0.02",
-        ],
-    },
-    Run {
-        name: "piston_explicit",
-        scene: "piston",
-        set: &["fluid.spacing=0.04", "run.end=0.4", "coupling.method=explicit", "output.record_interval=0.02"],
-    },
-    Run { name: "beam_in_vacuo", scene: "free_decay", set: &["run.end=0.2", "output.record_interval=0.01"] },
+/// Runs: the name that results are stored under, the scene, and what is set, apart by blanks. Both schemes, no body, bodies
+/// held and free, beams, each way of coupling, probes, gauges, regions, forces on the water.
+const RUNS: &[[&str; 3]] = &[
+    ["dam_break", "dam_break_impact", "fluid.spacing=0.02 run.end=0.6 output.record_interval=0.02"],
+    [
+        "dam_break_classical",
+        "dam_break_impact",
+        "fluid.spacing=0.02 run.end=0.4 output.record_interval=0.02 fluid.scheme=paper",
+    ],
+    ["wave", "standing_wave", "fluid.spacing=0.05 run.end=0.6"],
+    ["sloshing", "forced_sloshing", "fluid.spacing=0.05 run.end=0.6"],
+    ["drop", "oscillating_drop", "fluid.spacing=0.1 fluid.start.jitter=0.05 run.end=1.0"],
+    ["drop_stretched", "stretching_drop", "fluid.spacing=0.1 output.record_interval=4e-4 fluid.start.jitter=0.05"],
+    ["plate", "dam_break_plate", "fluid.spacing=0.012 run.end=0.3 output.record_interval=0.01"],
+    [
+        "plate_classical",
+        "dam_break_plate",
+        "fluid.spacing=0.012 run.end=0.2 output.record_interval=0.01 fluid.scheme=paper",
+    ],
+    ["cabin", "damaged_cabin", "fluid.spacing=0.04 run.end=0.3 output.record_interval=0.01"],
+    ["cabin_held", "damaged_cabin", "fluid.spacing=0.04 run.end=0.1 structure.free=[] output.record_interval=0.01"],
+    [
+        "cabin_rigid",
+        "damaged_cabin",
+        "fluid.spacing=0.04 run.end=0.2 structure.beam.modes=0 output.record_interval=0.01",
+    ],
+    ["box_rolls", "floating_box_roll_free", "fluid.spacing=0.05 run.end=0.3 output.record_interval=0.01"],
+    ["piston_newton", "piston", "fluid.spacing=0.04 run.end=0.4 coupling.method=newton output.record_interval=0.02"],
+    ["piston_iqn_ils", "piston", "fluid.spacing=0.04 run.end=0.4 coupling.method=iqn_ils output.record_interval=0.02"],
+    [
+        "piston_aitken",
+        "piston",
+        "fluid.spacing=0.04 run.end=0.2 coupling.method=aitken structure.mass=400.0 output.record_interval=0.02",
+    ],
+    [
+        "piston_constant",
+        "piston",
+        "fluid.spacing=0.04 run.end=0.2 coupling.method=constant coupling.relaxation=0.5 structure.mass=400.0 output.record_interval=0.02",
+    ],
+    [
+        "piston_explicit",
+        "piston",
+        "fluid.spacing=0.04 run.end=0.4 coupling.method=explicit output.record_interval=0.02",
+    ],
+    ["beam_in_vacuo", "free_decay", "run.end=0.2 output.record_interval=0.01"],
 ];
 
-fn run(run: &Run, out: &Path) -> String {
+fn run([name, scene, set]: &[&str; 3], out: &Path) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_plimsoll"));
     command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-    command.args(["run", run.scene, "--quiet", "--overwrite", "--out"]).arg(out);
-    let settings = run.set.iter().chain(&["output.interval=0", "output.plot=[]", "check=[]"]);
+    command.args(["run", scene, "--quiet", "--overwrite", "--out"]).arg(out);
+    let settings = set.split_whitespace().chain(["output.interval=0", "output.plot=[]", "check=[]"]);
     let output = command.args(settings.flat_map(|change| ["--set", change])).output().unwrap();
-    assert!(output.status.success(), "{}: {}", run.name, String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     std::fs::read_to_string(out.join("results.csv")).unwrap()
 }
 
@@ -207,11 +152,10 @@ fn results_keep_every_bit() {
     let machine = kind_of_machine();
     let same_kind = std::fs::read_to_string(stored("machine.txt")).is_ok_and(|stored| stored == machine);
     let mut report = String::new();
-    for item in RUNS {
-        let out = folder.path().join(item.name);
-        let text = run(item, &out);
-        assert!(text.lines().count() > 5, "{}: {} rows", item.name, text.lines().count());
-        let path = stored(&format!("{}.csv", item.name));
+    for item @ [name, ..] in RUNS {
+        let text = run(item, &folder.path().join(name));
+        assert!(text.lines().count() > 5, "{name}: {} rows", text.lines().count());
+        let path = stored(&format!("{name}.csv"));
         if renew {
             std::fs::write(&path, &text).unwrap();
             continue;
@@ -222,8 +166,8 @@ fn results_keep_every_bit() {
         }
         match difference(&was, &text) {
             Ok(_) if !same_kind && agrees(&was, &text) => {}
-            Ok((gap, place)) => writeln!(report, "{}: {gap:e} of the largest, {place}", item.name).unwrap(),
-            Err(shape) => writeln!(report, "{}: {shape}", item.name).unwrap(),
+            Ok((gap, place)) => writeln!(report, "{name}: {gap:e} of the largest, {place}").unwrap(),
+            Err(shape) => writeln!(report, "{name}: {shape}").unwrap(),
         }
     }
     if renew {

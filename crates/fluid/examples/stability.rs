@@ -43,8 +43,7 @@ struct Outline {
     fastest: f64,
     /// Largest noise of the pressure, over rho g H.
     noise: f64,
-    /// Samples that the energy is averaged over: half a period of the wave, in which a step of first order lets it
-    /// swing by a few per cent and back.
+    /// Samples that the energy is averaged over: half a period of the wave.
     swing: usize,
 }
 

@@ -5,7 +5,7 @@
 //! wall that they point at. Faces of a body carry their prolongation with them: what closes a gap at the start leaves it
 //! open once the body has moved away.
 
-use crate::walls::{Segment, WallLayout, Walls};
+use crate::walls::{SMOOTH, Segment, WallLayout, Walls};
 use nalgebra::Vector2;
 
 /// Width in spacings below which a gap is closed: half a spacing is where no neighbour can stand in it any more, the
@@ -15,8 +15,6 @@ pub const NARROW: f64 = 0.6;
 const TOUCHING: f64 = 1e-3;
 /// Sine of the least angle between a face and the wall that it points at.
 const STEEP: f64 = 0.3;
-/// Cosine of the angle up to which a wall that begins at a face's end continues it.
-const CONTINUED: f64 = 0.866;
 
 /// A face that is prolonged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,8 +47,8 @@ fn gap(walls: &Walls, face: usize, corner: &Vector2<f64>, away: &Vector2<f64>, s
     let others = walls.segments.iter().enumerate().filter(|(index, _)| *index != face).map(|(_, other)| other);
     let goes_on = |other: &Segment| {
         let near = (TOUCHING * spacing).powi(2);
-        let starts = (other.start - corner).norm_squared() < near && other.tangent.dot(away) > CONTINUED;
-        starts || (other.end() - corner).norm_squared() < near && -other.tangent.dot(away) > CONTINUED
+        let starts = (other.start - corner).norm_squared() < near && other.tangent.dot(away) > SMOOTH;
+        starts || (other.end() - corner).norm_squared() < near && -other.tangent.dot(away) > SMOOTH
     };
     if others.clone().any(goes_on) {
         return None;

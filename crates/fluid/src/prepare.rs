@@ -62,19 +62,20 @@ impl Setting {
     /// Walls at the start as they are drawn, and what of the body must not meet the fixed ones.
     pub fn drawn(&self) -> (Walls, BodyContact) {
         let layout = WallLayout::new(&self.geometry, self.spacing);
-        let start = Motion::at_rest(self.modes()).position;
-        let mut walls = Walls::default();
-        let body = self.geometry.body.as_ref().map(|body| (body, &start));
-        walls.place(&layout, body, self.kernel.radius, self.spacing);
+        let walls = self.place(&layout, &Motion::at_rest(self.modes()).position);
         let contact = BodyContact::new(&layout.panels, &walls, self.spacing);
         (walls, contact)
     }
 
     /// Walls with the body at `coordinates`.
     pub fn walls(&self, coordinates: &DVector<f64>) -> Walls {
+        self.place(&self.layout, coordinates)
+    }
+
+    fn place(&self, layout: &WallLayout, coordinates: &DVector<f64>) -> Walls {
         let mut walls = Walls::default();
         let body = self.geometry.body.as_ref().map(|body| (body, coordinates));
-        walls.place(&self.layout, body, self.kernel.radius, self.spacing);
+        walls.place(layout, body, self.kernel.radius, self.spacing);
         walls
     }
 

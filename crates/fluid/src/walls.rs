@@ -9,7 +9,7 @@ use kinematics::{Body, MaterialPoint};
 use nalgebra::{DVector, Vector2};
 
 /// Cosine of the largest kink inside a chain (30 degrees); a larger one starts a new chain.
-const SMOOTH: f64 = 0.866;
+pub const SMOOTH: f64 = 0.866;
 
 /// Cosine of the angle between the normals of two walls up to which they are sides of one corner, not faces of a plate.
 const SAME_SOLID: f64 = -0.5;
