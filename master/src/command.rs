@@ -11,6 +11,7 @@ use crate::progress::Style;
 use crate::reproduce::{self, Reproduce};
 use crate::scene_case::{self, Places};
 use crate::target::Target;
+use crate::validate::{self, ValidateArguments};
 use crate::{answer, fmu, tell};
 use check::CheckArguments;
 use clap::{Parser, Subcommand};
@@ -90,6 +91,10 @@ enum Command {
     },
     /// List the scenes by name.
     ListScenes,
+    /// Run scenes and write one dated record of their figures against their limits.
+    ///
+    /// The exit code is 3 when a limit was missed.
+    Validate(ValidateArguments),
     /// Compare the schemes of the fluid and write a dated record.
     #[command(subcommand)]
     Bench(Bench),
@@ -114,6 +119,7 @@ pub fn main() -> ExitCode {
         Some(Command::New(arguments)) => create::create(&arguments),
         Some(Command::Schema { what }) => create::schema(what),
         Some(Command::ListScenes) => list_scenes(),
+        Some(Command::Validate(arguments)) => validate_scenes(&arguments),
         Some(Command::Bench(Bench::Accuracy(arguments))) => accuracy(&arguments),
         Some(Command::Bench(Bench::Speed(arguments))) => speed(&arguments),
         Some(Command::Compare(arguments)) => compare_runs(&arguments),
@@ -193,6 +199,16 @@ fn accuracy(arguments: &bench::AccuracyArguments) -> Result<ExitCode, Failure> {
     let page = bench::accuracy(arguments, &pack::scenes_folder()?, &interrupted)?;
     answer!("report: {}", page.display());
     Ok(ended(&interrupted, true))
+}
+
+fn validate_scenes(arguments: &ValidateArguments) -> Result<ExitCode, Failure> {
+    let interrupted = watch_for_interruption(Style::default())?;
+    let validation = validate::validate(arguments, &interrupted)?;
+    answer!("record: {}", validation.record.display());
+    match ended(&interrupted, validation.complete) {
+        ExitCode::SUCCESS if validation.missed > 0 => Ok(ExitCode::from(MISSED)),
+        code => Ok(code),
+    }
 }
 
 fn compare_runs(arguments: &CompareArguments) -> Result<ExitCode, Failure> {

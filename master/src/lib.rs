@@ -26,5 +26,6 @@ pub mod say;
 pub mod scene_case;
 pub mod stages;
 pub mod target;
+pub mod validate;
 pub mod warnings;
 pub mod watch;

@@ -1,6 +1,6 @@
 //! The figures that a scene asks of its own result. Field names are the keys of the file.
 
-use crate::Point;
+use crate::{Point, QuickCheck};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -73,6 +73,9 @@ pub struct Check {
     /// Where the reference comes from.
     #[serde(default)]
     pub source: String,
+    /// What is otherwise in the quick variant of the scene, which makes no check without it.
+    #[serde(default)]
+    pub quick: Option<QuickCheck>,
 }
 
 /// What a check computes.

@@ -10,6 +10,7 @@ mod instruments;
 mod lists;
 mod parse;
 mod place;
+mod quick;
 mod sameness;
 mod structure;
 mod types;
@@ -22,6 +23,7 @@ pub use document::{check_file, file_name, from_toml, line_unless_set, read_file,
 pub use error::Error;
 pub use instruments::{Gauge, Probe, Region};
 pub use parse::parse_overrides;
+pub use quick::{Quick, QuickCheck};
 pub use structure::{Beam, Freedom, Integrator, Structure, Support};
 pub use types::*;
 pub use validate::validate_checks;

@@ -34,9 +34,16 @@ impl Scene {
         Self::with_overrides(text, name, &[])
     }
 
-    /// Parses the text, applies overrides (key path, TOML value), validates.
+    /// Parses the text, applies overrides (key path, TOML value), those of its quick variant first if that is active,
+    /// validates.
     pub fn with_overrides(text: &str, name: &str, overrides: &[(String, String)]) -> Result<Self, Error> {
-        let scene: Scene = from_toml(text, name, overrides)?;
+        let mut scene: Scene = from_toml(text, name, overrides)?;
+        if scene.quick.active {
+            let mut all = scene.quick.overrides(name)?;
+            all.extend_from_slice(overrides);
+            scene = from_toml(text, name, &all)?;
+            scene.keep_quick_checks();
+        }
         scene.validate(name).map_err(|error| error.located(text, overrides))?;
         Ok(scene)
     }

@@ -6,10 +6,10 @@ use crate::{Fluid, Output, Run, Scene};
 impl Scene {
     /// The same without what does not change the numbers up to a given time: a run that goes on may have another one.
     pub fn for_resuming(&self) -> Self {
-        let (title, source, differs, check) = Default::default();
+        let (title, source, differs, check, quick) = Default::default();
         let (run, output) = (self.run.for_resuming(), self.output.for_resuming());
         let fluid = self.fluid.clone().map(|fluid| Fluid { threads: 0, ..fluid });
-        Self { title, source, differs, check, run, output, fluid, ..self.clone() }
+        Self { title, source, differs, check, quick, run, output, fluid, ..self.clone() }
     }
 
     /// Where another scene is another one to the water and the structure, so that a state of one is none of the other; none

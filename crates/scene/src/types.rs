@@ -1,6 +1,6 @@
 //! The types that a scene file deserialises into. Field names are the keys of the file.
 
-use crate::{Check, Gauge, Probe, Region, Structure};
+use crate::{Check, Gauge, Probe, Quick, Region, Structure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +42,9 @@ pub struct Scene {
     /// Figures that the program computes of its own result.
     #[serde(default)]
     pub check: Vec<Check>,
+    /// The same coarser and shorter, for tests.
+    #[serde(default)]
+    pub quick: Quick,
 }
 
 impl Scene {

@@ -21,6 +21,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
+/// The change that makes a scene its quick variant.
+const QUICK: &str = "quick.active=true";
+
 /// What to run and where its results go.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct RunArguments {
@@ -30,6 +33,9 @@ pub(crate) struct RunArguments {
     /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub(crate) set: Vec<String>,
+    /// Run the scene's quick variant: coarser and shorter, with limits of its own.
+    #[arg(long)]
+    pub(crate) quick: bool,
     /// Folder for the results, of this run alone [default: results/NAME].
     #[arg(long)]
     pub(crate) out: Option<PathBuf>,
@@ -108,7 +114,8 @@ pub(crate) fn execute(
 
 /// The target with the changes asked for.
 fn find(arguments: &RunArguments) -> Result<Target, Failure> {
-    Ok(Target::find(&arguments.target)?.changed(&arguments.set))
+    let variant = arguments.quick.then(|| QUICK.to_string());
+    Ok(Target::find(&arguments.target)?.changed(variant.as_slice()).changed(&arguments.set))
 }
 
 fn execute_target(
