@@ -112,8 +112,8 @@ struct Counts {
 fn counts(scene: &Scene, series: &Series, factor: f64) -> Option<Counts> {
     let fluid = scene.fluid.as_ref()?;
     let courant = match fluid.scheme {
-        Scheme::Accurate => fluid.accurate.courant,
-        Scheme::Paper => fluid.paper.courant,
+        Scheme::Voronoi => fluid.voronoi.courant,
+        Scheme::Mps => fluid.mps.courant,
     };
     let coarse = factor * fluid.spacing;
     let column = |name: &str| series.column(&format!("{FLUID}.{name}")).map(|column| &column.values);

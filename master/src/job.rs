@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicBool;
 
 /// What a scene tells the report beyond its case.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Facts {
+pub struct ReportMetadata {
     /// Discretisation of the fluid.
     pub scheme: Option<String>,
     /// Particle spacing \[m\].
@@ -29,8 +29,8 @@ pub struct Facts {
     pub differs: String,
 }
 
-impl Facts {
-    /// The facts of a scene.
+impl ReportMetadata {
+    /// What a report says of a scene.
     pub fn of(scene: &Scene) -> Self {
         let fluid = scene.fluid.as_ref();
         let gravity = scene.gravity[0].hypot(scene.gravity[1]);
@@ -56,7 +56,7 @@ pub struct Job {
     /// Folder that reference files of checks are relative to.
     pub references: PathBuf,
     /// What the scene tells beyond the case.
-    pub facts: Facts,
+    pub metadata: ReportMetadata,
     /// All that decides its numbers, as text: a run is resumed with the same inputs only.
     pub inputs: String,
     /// Whether results.parquet is written.
@@ -145,7 +145,7 @@ impl Job {
     fn summary(&self, outcome: &Outcome) -> Summary {
         let frames = self.folder.join("frames");
         let context =
-            Context { series: &outcome.series, frames: &frames, folder: &self.references, water: self.facts.water };
+            Context { series: &outcome.series, frames: &frames, folder: &self.references, water: self.metadata.water };
         let checks = checks::evaluate(&self.case.check, &context);
         let outside = checks.iter().filter_map(|(name, check)| check.missed(name));
         Summary {
@@ -153,8 +153,8 @@ impl Job {
             title: self.case.title.clone(),
             status: outcome.status,
             error: outcome.error.as_ref().map(ToString::to_string),
-            scheme: self.facts.scheme.clone(),
-            spacing: self.facts.spacing,
+            scheme: self.metadata.scheme.clone(),
+            spacing: self.metadata.spacing,
             particles: particles(&outcome.series),
             steps: outcome.counts.steps,
             simulated_seconds: outcome.simulated,
@@ -179,7 +179,7 @@ impl Job {
         for failure in &pictures.failures {
             tell!("warning: {failure}");
         }
-        let about = [("Source", self.facts.source.as_str()), ("What differs", self.facts.differs.as_str())];
+        let about = [("Source", self.metadata.source.as_str()), ("What differs", self.metadata.differs.as_str())];
         let text = report::markdown(summary, &about, &pictures.files, &self.folder);
         record::write_whole(&self.folder.join("summary.md"), text)?;
         let page = report::run_page(summary, &about, recipe, &pictures);

@@ -114,21 +114,21 @@ fn variables(freedom: &Ending) -> (Vec<String>, String) {
     (motion.to_vec(), format!("load.{}", freedom.load))
 }
 
-/// How the scene is coupled: the scheme `paper` gives no derivatives.
+/// How the scene is coupled: the scheme `mps` gives no derivatives.
 fn coupling(scene: &Scene) -> Coupling {
     let mut coupling = scene.coupling.clone();
-    let paper = scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == Scheme::Paper);
-    if coupling.method == Method::Auto && paper {
+    let mps = scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == Scheme::Mps);
+    if coupling.method == Method::Auto && mps {
         coupling.method = Method::IqnIls;
     }
     coupling
 }
 
 /// Whether the structure takes the fluid's added mass into its equations. Iterations do not need it, and the scheme
-/// `paper` has none.
+/// `mps` has none.
 fn passes_added_mass(scene: &Scene) -> bool {
-    let accurate = scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == Scheme::Accurate);
-    scene.coupling.method == Method::Explicit && scene.coupling.added_mass && accurate
+    let voronoi = scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == Scheme::Voronoi);
+    scene.coupling.method == Method::Explicit && scene.coupling.added_mass && voronoi
 }
 
 /// Index of a degree of freedom in the added mass, from 1.

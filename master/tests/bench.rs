@@ -31,12 +31,12 @@ fn a_quick_try_leaves_tables_and_pictures() {
         assert!(number(12) > 100.0 && number(13) >= number(12) * 24.0 * 0.9, "{row:?}");
         assert_eq!((&row[10], &row[19]), ("1", ""), "{row:?}");
     }
-    // At equal spacing the accurate scheme is at least twice as near to the exact semi-axis.
+    // At equal spacing the scheme `voronoi` is at least twice as near to the exact semi-axis.
     let error = |index: usize| rows[index][5].parse::<f64>().unwrap();
-    assert_eq!((&rows[2][3], &rows[2][4], &rows[3][3]), ("accurate", "0.08", "paper"));
+    assert_eq!((&rows[2][3], &rows[2][4], &rows[3][3]), ("voronoi", "0.08", "mps"));
     assert!(error(2) < 0.5 * error(3), "{} {}", error(2), error(3));
     let page = std::fs::read_to_string(folder.path().join("accuracy.md")).unwrap();
-    assert!(page.contains("## stretching_drop") && page.contains("| accurate | all | |"));
+    assert!(page.contains("## stretching_drop") && page.contains("| voronoi | all | |"));
     for name in ["spacing.png", "spacing.svg", "time.png", "time.svg"] {
         assert!(folder.path().join(format!("stretching_drop-{name}")).is_file(), "{name}");
     }
@@ -45,7 +45,7 @@ fn a_quick_try_leaves_tables_and_pictures() {
 #[test]
 fn runs_over_the_cap_are_rows_that_say_so() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["rotating_square", "--levels", "2", "--schemes", "accurate", "--cap", "0.01"];
+    let arguments = ["rotating_square", "--levels", "2", "--schemes", "voronoi", "--cap", "0.01"];
     let output = bench(folder.path(), &arguments);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let rows = rows(folder.path());
@@ -63,7 +63,7 @@ fn what_cannot_be_compared_is_refused() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     assert!(refused(&["free_decay"]).contains("expected one of hydrostatic, "));
-    assert!(refused(&["--schemes", "fast"]).contains("expected 'accurate' or 'paper'"));
+    assert!(refused(&["--schemes", "fast"]).contains("expected 'voronoi' or 'mps'"));
     assert!(refused(&["--levels", "1"]).contains("expected 2 to 4"));
     assert!(refused(&["--cap", "0"]).contains("expected a finite number above 0"));
 }

@@ -6,7 +6,7 @@ use components::{FluidComponent, StructureComponent};
 use plimsoll::direct::DirectParticipant;
 use plimsoll::fmu::FmuParticipant;
 use plimsoll::folder::{RunFolder, Wish};
-use plimsoll::job::{Facts, Job};
+use plimsoll::job::{Job, ReportMetadata};
 use plimsoll::log::Log;
 use plimsoll::participant::Participant;
 use plimsoll::progress::{Progress, Style};
@@ -39,7 +39,7 @@ fn job(folder: &Path, name: &str) -> Job {
         case,
         folder: out,
         references: folder.to_path_buf(),
-        facts: Facts::of(&scene),
+        metadata: ReportMetadata::of(&scene),
         inputs: String::new(),
         parquet: false,
         warnings: Vec::new(),

@@ -22,7 +22,7 @@ const RUNS: &[[&str; 3]] = &[
     [
         "dam_break_classical",
         "dam_break_impact",
-        "fluid.spacing=0.02 run.end=0.4 output.record_interval=0.02 fluid.scheme=paper",
+        "fluid.spacing=0.02 run.end=0.4 output.record_interval=0.02 fluid.scheme=mps",
     ],
     ["wave", "standing_wave", "fluid.spacing=0.05 run.end=0.6"],
     ["sloshing", "forced_sloshing", "fluid.spacing=0.05 run.end=0.6"],
@@ -32,7 +32,7 @@ const RUNS: &[[&str; 3]] = &[
     [
         "plate_classical",
         "dam_break_plate",
-        "fluid.spacing=0.012 run.end=0.2 output.record_interval=0.01 fluid.scheme=paper",
+        "fluid.spacing=0.012 run.end=0.2 output.record_interval=0.01 fluid.scheme=mps",
     ],
     ["cabin", "damaged_cabin", "fluid.spacing=0.04 run.end=0.3 output.record_interval=0.01"],
     ["cabin_held", "damaged_cabin", "fluid.spacing=0.04 run.end=0.1 structure.free=[] output.record_interval=0.01"],

@@ -18,7 +18,7 @@ use std::ptr::{null, null_mut};
 const WATER: &[(&str, &str)] = &[
     ("hydrostatic", "fluid.spacing=0.1; fluid.threads=1"),
     ("dam_break_plate", "fluid.spacing=0.04; fluid.threads=1"),
-    ("hydrostatic", "fluid.spacing=0.1; fluid.threads=1; fluid.scheme=paper"),
+    ("hydrostatic", "fluid.spacing=0.1; fluid.threads=1; fluid.scheme=mps"),
     ("free_decay", ""),
     ("hydrostatic", "fluid.spacing=1e-9"),
     ("hydrostatic", "fluid.spacing=0.1; fluid.wall.0.points.1=[-1e300,0.0]"),

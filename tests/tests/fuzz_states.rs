@@ -26,7 +26,7 @@ type Case = (&'static str, &'static str);
 
 const WATER: &[Case] = &[
     ("hydrostatic", "fluid.spacing=0.1; fluid.threads=1"),
-    ("hydrostatic", "fluid.spacing=0.1; fluid.threads=1; fluid.scheme=paper; fluid.wall.0.points.1=[-0.5,0.0]"),
+    ("hydrostatic", "fluid.spacing=0.1; fluid.threads=1; fluid.scheme=mps; fluid.wall.0.points.1=[-0.5,0.0]"),
     (
         "dam_break_plate",
         "fluid.spacing=0.03; fluid.threads=1; fluid.water.0.polygon=[[0,0],[0.286,0],[0.286,0.14],[0,0.14]]",

@@ -124,7 +124,7 @@ fn bad_scenes_are_refused_with_numbers() {
         ("hydrostatic", "fluid.spacing=-1", &["fluid.spacing", "-1"]),
         ("hydrostatic", "fluid.spacin=1", &["did you mean `spacing`"]),
         ("hydrostatic", "fluid.spacing", &["key.path=value"]),
-        ("hydrostatic", "fluid.paper.courant=3", &["fluid.paper.courant", "3"]),
+        ("hydrostatic", "fluid.mps.courant=3", &["fluid.mps.courant", "3"]),
         ("hydrostatic", "fluid.spacing=5.0", &["5"]),
         ("dam_break_plate", "structure.beam.modes=5", &["5", "3", "modes"]),
         ("100%s%n", "", &["100%"]),

@@ -163,8 +163,8 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         shaking,
         spacing: part.spacing,
         scheme: match part.scheme {
-            scene::Scheme::Accurate => fluid::Scheme::Accurate(accurate(&part.accurate)),
-            scene::Scheme::Paper => fluid::Scheme::Paper(paper(&part.paper)),
+            scene::Scheme::Voronoi => fluid::Scheme::Voronoi(voronoi(&part.voronoi)),
+            scene::Scheme::Mps => fluid::Scheme::Mps(mps(&part.mps)),
         },
         solve: fluid::SolveParameters {
             tolerance: solve_tolerance(scene, part.solve.tolerance),
@@ -202,44 +202,44 @@ fn start(start: &scene::Start) -> fluid::AffineVelocity {
 }
 
 /// Share of the divergence of the velocity, as forces alone would make it in a step, that may be left: 1e-3 of it is
-/// enough with the scheme `paper` and 1e-5 with `accurate`, whose other errors are smaller: 1e-4 shows in linear
+/// enough with the scheme `mps` and 1e-5 with `voronoi`, whose other errors are smaller: 1e-4 shows in linear
 /// sloshing only. The loads on a body that answers to them must be as good as the coupling's tolerance.
 fn solve_tolerance(scene: &Scene, given: f64) -> f64 {
     let moves = scene.structure.as_ref().is_some_and(|structure| !structure.free.is_empty()) || scene.modes() > 0;
     match given {
         tolerance if tolerance > 0.0 => tolerance,
         _ if moves => 1e-8,
-        _ if scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == scene::Scheme::Accurate) => 1e-5,
+        _ if scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == scene::Scheme::Voronoi) => 1e-5,
         _ => 1e-3,
     }
 }
 
-fn accurate(accurate: &scene::Accurate) -> fluid::AccurateParameters {
-    fluid::AccurateParameters {
-        alpha: accurate.alpha,
-        courant: accurate.courant,
-        shifting: accurate.shifting,
-        repulsion: accurate.repulsion,
-        spreading: accurate.spreading,
-        smoothing: accurate.smoothing,
-        enclosed_pressure: accurate.enclosed_pressure,
+fn voronoi(voronoi: &scene::Voronoi) -> fluid::VoronoiParameters {
+    fluid::VoronoiParameters {
+        alpha: voronoi.alpha,
+        courant: voronoi.courant,
+        shifting: voronoi.shifting,
+        repulsion: voronoi.repulsion,
+        spreading: voronoi.spreading,
+        smoothing: voronoi.smoothing,
+        enclosed_pressure: voronoi.enclosed_pressure,
     }
 }
 
-fn paper(paper: &scene::Paper) -> fluid::PaperParameters {
-    fluid::PaperParameters {
-        influence_radius: paper.influence_radius,
-        alpha: paper.alpha,
-        source: match paper.source {
+fn mps(mps: &scene::Mps) -> fluid::MpsParameters {
+    fluid::MpsParameters {
+        influence_radius: mps.influence_radius,
+        alpha: mps.alpha,
+        source: match mps.source {
             scene::Source::Mixed => fluid::Source::Mixed,
             scene::Source::Adaptive => fluid::Source::Adaptive,
         },
-        courant: paper.courant,
-        shifting: paper.shifting,
-        tension: paper.tension,
-        collision_distance: paper.collision_distance,
-        restitution: paper.restitution,
-        surface_deviation: paper.surface_deviation,
+        courant: mps.courant,
+        shifting: mps.shifting,
+        tension: mps.tension,
+        collision_distance: mps.collision_distance,
+        restitution: mps.restitution,
+        surface_deviation: mps.surface_deviation,
     }
 }
 
@@ -260,8 +260,8 @@ mod tests {
 
     #[test]
     fn a_scene_without_scheme_parameters_gets_the_solvers_defaults() {
-        assert_eq!(accurate(&scene::Accurate::default()), fluid::AccurateParameters::default());
-        assert_eq!(paper(&scene::Paper::default()), fluid::PaperParameters::default());
+        assert_eq!(voronoi(&scene::Voronoi::default()), fluid::VoronoiParameters::default());
+        assert_eq!(mps(&scene::Mps::default()), fluid::MpsParameters::default());
     }
 
     #[test]
@@ -309,8 +309,8 @@ mod tests {
     fn free_flow_needs_less_and_a_given_tolerance_stays() {
         let text = &SCENE[..SCENE.find("[structure]").unwrap()];
         assert_eq!(fluid(&scene(text)).unwrap().0.solve.tolerance, 1e-5);
-        let paper = text.replace("spacing = 0.01", "spacing = 0.01\nscheme = 'paper'");
-        assert_eq!(fluid(&scene(&paper)).unwrap().0.solve.tolerance, 1e-3);
+        let mps = text.replace("spacing = 0.01", "spacing = 0.01\nscheme = 'mps'");
+        assert_eq!(fluid(&scene(&mps)).unwrap().0.solve.tolerance, 1e-3);
         let given = text.replace("spacing = 0.01", "spacing = 0.01\nsolve = { tolerance = 1e-5 }");
         assert_eq!(fluid(&scene(&given)).unwrap().0.solve.tolerance, 1e-5);
         assert!(structure(&scene(text)).unwrap_err().to_string().contains("[structure]"));

@@ -1,7 +1,7 @@
 //! The fluid: water between fixed walls and around a body whose motion comes from outside.
 
 mod instruments;
-mod machinery;
+mod runtime;
 mod table;
 
 use crate::interface::{COORDINATES, LOAD_ACCELERATION, MotionValues, coordinate, finite};
@@ -10,7 +10,7 @@ use crate::{Error, LOAD, VELOCITY, conversion};
 use fluid::Observables;
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::MAXIMUM_MODES;
-use machinery::Machinery;
+use runtime::Runtime;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
@@ -72,7 +72,7 @@ pub struct FluidComponent {
     modes: usize,
     resources: Option<PathBuf>,
     state: State,
-    machinery: Option<Machinery>,
+    runtime: Option<Runtime>,
     seconds: Seconds,
     /// Figures of the present state, computed when the first of them is read.
     observed: OnceCell<Observables>,
@@ -87,9 +87,9 @@ pub fn fluid_set_up(scene: &Scene) -> Result<(Vec<[f32; 2]>, Vec<String>), Error
     if scene.fluid.is_none() {
         return Ok((Vec::new(), Vec::new()));
     }
-    let machinery = Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, &SceneParameters::default(), 0.0)?;
-    let particles = machinery.solver.initial_state().positions.iter().map(crate::frames::single).collect();
-    Ok((particles, machinery.warnings))
+    let runtime = Runtime::new(Arc::new(scene.clone()), MAXIMUM_MODES, &SceneParameters::default(), 0.0)?;
+    let particles = runtime.solver.initial_state().positions.iter().map(crate::frames::single).collect();
+    Ok((particles, runtime.warnings))
 }
 
 impl FluidComponent {
@@ -114,8 +114,8 @@ impl FluidComponent {
 
     fn prepare(&mut self, start: f64) -> Result<(), Error> {
         let scene = Arc::new(self.resolve_scene()?);
-        let mut machinery = Machinery::new(Arc::clone(&scene), self.modes, &self.state.parameters.common, start)?;
-        let mut state = machinery.solver.initial_state();
+        let mut runtime = Runtime::new(Arc::clone(&scene), self.modes, &self.state.parameters.common, start)?;
+        let mut state = runtime.solver.initial_state();
         state.time = start;
         for (entry, value) in
             state.motion.position.iter_mut().skip(kinematics::RIGID).zip(conversion::initial_modes(&scene))
@@ -123,19 +123,19 @@ impl FluidComponent {
             *entry = value;
         }
         state.motion.position.copy_from_slice(&self.state.motion.position[..state.motion.position.len()]);
-        machinery.solver.begin(&mut state, machinery.workspace.get_mut())?;
+        runtime.solver.begin(&mut state, runtime.workspace.get_mut())?;
         self.observed = OnceCell::new();
         self.state.progress = Some(Progress { scene, start, state, report: StepReport::default() });
-        self.machinery = Some(machinery);
+        self.runtime = Some(runtime);
         Ok(())
     }
 
     /// Figures of the present state; none before initialisation.
     fn observables(&self) -> Option<&Observables> {
-        let (machinery, progress) = (self.machinery.as_ref()?, self.state.progress.as_ref()?);
+        let (runtime, progress) = (self.runtime.as_ref()?, self.state.progress.as_ref()?);
         Some(
             self.observed
-                .get_or_init(|| machinery.solver.observe_with(&progress.state, &mut machinery.workspace.borrow_mut())),
+                .get_or_init(|| runtime.solver.observe_with(&progress.state, &mut runtime.workspace.borrow_mut())),
         )
     }
 
@@ -189,7 +189,7 @@ impl Component for FluidComponent {
             modes: setup.variant,
             resources: setup.resources.clone(),
             state: State { parameters: Parameters::default(), motion: MotionValues::default(), progress: None },
-            machinery: None,
+            runtime: None,
             seconds: Seconds::default(),
             observed: OnceCell::new(),
         }
@@ -199,7 +199,7 @@ impl Component for FluidComponent {
         let result = self.prepare(experiment.start);
         let wrong = |error: Error| error.in_scene(&self.state.parameters.common.scene_file());
         result.map_err(|error| Failure::broken(wrong(error).to_string()))?;
-        self.machinery.iter().flat_map(|machinery| &machinery.warnings).for_each(|warning| log.warning(warning));
+        self.runtime.iter().flat_map(|runtime| &runtime.warnings).for_each(|warning| log.warning(warning));
         if let Some(progress) = &self.state.progress {
             let count = progress.state.positions.len();
             log.event(&format!("fluid of '{}' with {count} particles is ready", progress.scene.title));
@@ -208,15 +208,15 @@ impl Component for FluidComponent {
     }
 
     fn do_step(&mut self, time: f64, step: f64, _log: &Logger) -> Result<(), Failure> {
-        let (Some(machinery), Some(progress)) = (&mut self.machinery, &mut self.state.progress) else {
+        let (Some(runtime), Some(progress)) = (&mut self.runtime, &mut self.state.progress) else {
             return Err(not_initialised());
         };
-        machinery.write_due(&progress.state, time, &mut self.seconds.output)?;
-        let end = self.state.motion.motion(machinery.solver.modes());
+        runtime.write_due(&progress.state, time, &mut self.seconds.output)?;
+        let end = self.state.motion.motion(runtime.solver.modes());
         progress.state.time = time;
-        let report = machinery
+        let report = runtime
             .solver
-            .step(&mut progress.state, &end, step, machinery.workspace.get_mut())
+            .step(&mut progress.state, &end, step, runtime.workspace.get_mut())
             .map_err(|error| Failure::discard(error.to_string()))?;
         progress.state.time = time + step;
         progress.report = StepReport {
@@ -232,8 +232,8 @@ impl Component for FluidComponent {
     }
 
     fn terminate(&mut self, _log: &Logger) -> Result<(), Failure> {
-        let (Some(machinery), Some(progress)) = (&mut self.machinery, &self.state.progress) else { return Ok(()) };
-        machinery.write_last(&progress.state, &mut self.seconds.output)
+        let (Some(runtime), Some(progress)) = (&mut self.runtime, &self.state.progress) else { return Ok(()) };
+        runtime.write_last(&progress.state, &mut self.seconds.output)
     }
 
     fn save(&self) -> State {
@@ -247,11 +247,11 @@ impl Component for FluidComponent {
         finite("start, suggested step, duration", &[progress.start, suggested_step, duration])?;
         let refuse = |error: &dyn std::fmt::Display| Failure::refused(error.to_string());
         progress.scene.validate(&state.parameters.common.scene).map_err(|error| refuse(&error))?;
-        let checked = match self.machinery.as_ref().filter(|machinery| machinery.fits(&progress.scene)) {
-            Some(machinery) => machinery.solver.check_state(&progress.state),
+        let checked = match self.runtime.as_ref().filter(|runtime| runtime.fits(&progress.scene)) {
+            Some(runtime) => runtime.solver.check_state(&progress.state),
             None => {
-                machinery::check_count(&progress.scene, &progress.state)?;
-                let set_up = machinery::solver(&progress.scene, self.modes).map_err(|error| refuse(&error))?;
+                runtime::check_count(&progress.scene, &progress.state)?;
+                let set_up = runtime::solver(&progress.scene, self.modes).map_err(|error| refuse(&error))?;
                 set_up.solver.check_state(&progress.state)
             }
         };
@@ -259,36 +259,36 @@ impl Component for FluidComponent {
     }
 
     fn accept(&self, state: &State) -> Result<(), Failure> {
-        let (Some(machinery), Some(progress)) = (&self.machinery, &state.progress) else { return Ok(()) };
-        same_model(machinery.scene(), &progress.scene)
+        let (Some(runtime), Some(progress)) = (&self.runtime, &state.progress) else { return Ok(()) };
+        same_model(runtime.scene(), &progress.scene)
     }
 
     fn restore(&mut self, state: &State) -> Result<(), Failure> {
         let common = state.parameters.common.restored(&self.state.parameters.common);
         // On how many threads an instance works is its own affair, once it has some.
-        let own = self.machinery.as_ref().map(|_| self.state.parameters.threads);
+        let own = self.runtime.as_ref().map(|_| self.state.parameters.threads);
         let threads = own.unwrap_or(state.parameters.threads);
         let parameters = Parameters { common, threads, ..state.parameters.clone() };
         match &state.progress {
-            None => self.machinery = None,
+            None => self.runtime = None,
             Some(progress) => {
                 let same_output = self.state.parameters.common.same_output(&parameters.common);
-                let kept = self.machinery.as_ref().filter(|machinery| machinery.fits(&progress.scene));
+                let kept = self.runtime.as_ref().filter(|runtime| runtime.fits(&progress.scene));
                 if kept.is_none() || !same_output {
-                    let scene = Arc::clone(kept.map_or(&progress.scene, Machinery::scene));
-                    let machinery = Machinery::new(scene, self.modes, &parameters.common, progress.start);
-                    self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
+                    let scene = Arc::clone(kept.map_or(&progress.scene, Runtime::scene));
+                    let runtime = Runtime::new(scene, self.modes, &parameters.common, progress.start);
+                    self.runtime = Some(runtime.map_err(|error| Failure::broken(error.to_string()))?);
                 }
             }
         }
-        if let (Some(machinery), Some(progress)) = (&mut self.machinery, &state.progress) {
-            machinery.resume(progress.state.time)?;
+        if let (Some(runtime), Some(progress)) = (&mut self.runtime, &state.progress) {
+            runtime.resume(progress.state.time)?;
         }
         self.observed = OnceCell::new();
         self.state.clone_from(state);
         self.state.parameters = parameters;
-        if let (Some(machinery), Some(progress)) = (&self.machinery, &mut self.state.progress) {
-            progress.scene = Arc::clone(machinery.scene());
+        if let (Some(runtime), Some(progress)) = (&self.runtime, &mut self.state.progress) {
+            progress.scene = Arc::clone(runtime.scene());
         }
         Ok(())
     }
@@ -299,9 +299,9 @@ impl Component for FluidComponent {
         if duration <= 0.0 {
             return Err(Failure::refused("directional derivatives belong to a step, and none was done yet"));
         }
-        if matches!(self.machinery.as_ref().map(|machinery| machinery.solver.has_added_mass()), Some(false)) {
+        if matches!(self.runtime.as_ref().map(|runtime| runtime.solver.has_added_mass()), Some(false)) {
             return Err(Failure::refused(
-                "the scheme 'paper' has no added mass and so no directional derivatives: couple with iqn_ils or aitken",
+                "the scheme 'mps' has no added mass and so no directional derivatives: couple with iqn_ils or aitken",
             ));
         }
         // Within the step the water answers to the mean acceleration alone, and that follows from the end velocity.

@@ -73,7 +73,7 @@ pub struct State {
 }
 
 /// What follows from the scene and needs no saving.
-struct Machinery {
+struct Runtime {
     scene: Arc<Scene>,
     body: Body,
     solver: structure::Solver,
@@ -86,12 +86,12 @@ pub struct StructureComponent {
     modes: usize,
     resources: Option<PathBuf>,
     state: State,
-    machinery: Option<Machinery>,
+    runtime: Option<Runtime>,
     /// Seconds spent in steps by this instance, repeated ones included.
     seconds: f64,
 }
 
-impl Machinery {
+impl Runtime {
     fn new(scene: Arc<Scene>, limit: usize, series: Option<Series>) -> Result<Self, Error> {
         let modes = scene.modes();
         if modes > limit {
@@ -166,8 +166,8 @@ impl Machinery {
 /// What a run would refuse before its first step.
 pub fn structure_set_up(scene: &Scene) -> Result<(usize, Vec<Line>), Error> {
     let Some(structure) = &scene.structure else { return Ok((0, Vec::new())) };
-    let machinery = Machinery::new(Arc::new(scene.clone()), MAXIMUM_MODES, None)?;
-    let frame = machinery.frame(&Motion::at_rest(machinery.body.modes()));
+    let runtime = Runtime::new(Arc::new(scene.clone()), MAXIMUM_MODES, None)?;
+    let frame = runtime.frame(&Motion::at_rest(runtime.body.modes()));
     let lines = frame.lines.iter().map(|ends| ends.map(|end| frame.points[end as usize])).collect();
     Ok((structure.free.len() + scene.modes(), lines))
 }
@@ -194,35 +194,35 @@ impl StructureComponent {
     fn prepare(&mut self, start: f64) -> Result<(), Error> {
         let scene = Arc::new(self.resolve_scene()?);
         let series = self.state.parameters.common.series(&scene, FIELD, start)?;
-        let machinery = Machinery::new(Arc::clone(&scene), self.modes, series)?;
-        let mut state = machinery.solver.initial_state(&conversion::initial_modes(&scene))?;
+        let runtime = Runtime::new(Arc::clone(&scene), self.modes, series)?;
+        let mut state = runtime.solver.initial_state(&conversion::initial_modes(&scene))?;
         state.time = start;
-        self.state.outputs = machinery.outputs(&state, &structure::Report::default());
+        self.state.outputs = runtime.outputs(&state, &structure::Report::default());
         self.state.progress = Some(Progress { scene, start, state, last: None });
-        self.machinery = Some(machinery);
+        self.runtime = Some(runtime);
         Ok(())
     }
 
     fn advance(&mut self, time: f64, step: f64) -> Result<(), Failure> {
-        let (Some(machinery), Some(progress)) = (&mut self.machinery, &mut self.state.progress) else {
+        let (Some(runtime), Some(progress)) = (&mut self.runtime, &mut self.state.progress) else {
             return Err(not_initialised());
         };
-        if let Some(number) = machinery.series.as_ref().and_then(|series| series.due(time)) {
-            let frame = machinery.frame(&progress.state.motion);
-            write_frame(&mut machinery.series, number, time, frame)?;
+        if let Some(number) = runtime.series.as_ref().and_then(|series| series.due(time)) {
+            let frame = runtime.frame(&progress.state.motion);
+            write_frame(&mut runtime.series, number, time, frame)?;
         }
-        let load = machinery.load(&self.state.load);
+        let load = runtime.load(&self.state.load);
         let added = added_mass(&self.state.added_mass, &self.state.load_acceleration, load.len());
         let mut state = progress.state.clone();
         state.time = time;
-        let solver = &machinery.solver;
+        let solver = &runtime.solver;
         let result = match &added {
-            None => solver.step(&mut state, &load, step, &mut machinery.workspace).map(|report| (report, load)),
-            Some(added) => solver.step_with_added_mass(&mut state, &load, added, step, &mut machinery.workspace),
+            None => solver.step(&mut state, &load, step, &mut runtime.workspace).map(|report| (report, load)),
+            Some(added) => solver.step_with_added_mass(&mut state, &load, added, step, &mut runtime.workspace),
         };
         let (report, load) = result.map_err(|error| Failure::discard(error.to_string()))?;
         state.time = time + step;
-        self.state.outputs = machinery.outputs(&state, &report);
+        self.state.outputs = runtime.outputs(&state, &report);
         let before = std::mem::replace(&mut progress.state, state);
         progress.last = Some(LastStep { before, load, added, duration: step });
         Ok(())
@@ -281,7 +281,7 @@ impl Component for StructureComponent {
             outputs: Outputs::default(),
             progress: None,
         };
-        Self { modes: setup.variant, resources: setup.resources.clone(), state, machinery: None, seconds: 0.0 }
+        Self { modes: setup.variant, resources: setup.resources.clone(), state, runtime: None, seconds: 0.0 }
     }
 
     fn initialise(&mut self, experiment: &Experiment, log: &Logger) -> Result<(), Failure> {
@@ -303,11 +303,11 @@ impl Component for StructureComponent {
     }
 
     fn terminate(&mut self, _log: &Logger) -> Result<(), Failure> {
-        let (Some(machinery), Some(progress)) = (&mut self.machinery, &self.state.progress) else { return Ok(()) };
+        let (Some(runtime), Some(progress)) = (&mut self.runtime, &self.state.progress) else { return Ok(()) };
         let time = progress.state.time;
-        let Some(number) = machinery.series.as_ref().and_then(|series| series.due_at_end(time)) else { return Ok(()) };
-        let frame = machinery.frame(&progress.state.motion);
-        write_frame(&mut machinery.series, number, time, frame)
+        let Some(number) = runtime.series.as_ref().and_then(|series| series.due_at_end(time)) else { return Ok(()) };
+        let frame = runtime.frame(&progress.state.motion);
+        write_frame(&mut runtime.series, number, time, frame)
     }
 
     fn save(&self) -> State {
@@ -319,56 +319,56 @@ impl Component for StructureComponent {
         let Some(progress) = &state.progress else { return Ok(()) };
         let refuse = |error: &dyn std::fmt::Display| Failure::refused(error.to_string());
         progress.scene.validate(&state.parameters.common.scene).map_err(|error| refuse(&error))?;
-        match self.machinery.as_ref().filter(|machinery| machinery.fits(&progress.scene)) {
-            Some(machinery) => progress.check(machinery),
+        match self.runtime.as_ref().filter(|runtime| runtime.fits(&progress.scene)) {
+            Some(runtime) => progress.check(runtime),
             None => {
-                let machinery = Machinery::new(Arc::clone(&progress.scene), self.modes, None);
-                progress.check(&machinery.map_err(|error| refuse(&error))?)
+                let runtime = Runtime::new(Arc::clone(&progress.scene), self.modes, None);
+                progress.check(&runtime.map_err(|error| refuse(&error))?)
             }
         }
     }
 
     fn accept(&self, state: &State) -> Result<(), Failure> {
-        let (Some(machinery), Some(progress)) = (&self.machinery, &state.progress) else { return Ok(()) };
-        same_model(&machinery.scene, &progress.scene)
+        let (Some(runtime), Some(progress)) = (&self.runtime, &state.progress) else { return Ok(()) };
+        same_model(&runtime.scene, &progress.scene)
     }
 
     fn restore(&mut self, state: &State) -> Result<(), Failure> {
         let common = state.parameters.common.restored(&self.state.parameters.common);
         let parameters = Parameters { common, ..state.parameters.clone() };
         match &state.progress {
-            None => self.machinery = None,
+            None => self.runtime = None,
             Some(progress) => {
                 let same_output = self.state.parameters.common.same_output(&parameters.common);
-                let kept = self.machinery.as_ref().filter(|machinery| machinery.fits(&progress.scene));
+                let kept = self.runtime.as_ref().filter(|runtime| runtime.fits(&progress.scene));
                 if kept.is_none() || !same_output {
-                    let scene = Arc::clone(kept.map_or(&progress.scene, |machinery| &machinery.scene));
+                    let scene = Arc::clone(kept.map_or(&progress.scene, |runtime| &runtime.scene));
                     let fresh = parameters.common.series(&scene, FIELD, progress.start);
-                    let machinery = fresh.and_then(|series| Machinery::new(scene, self.modes, series));
-                    self.machinery = Some(machinery.map_err(|error| Failure::broken(error.to_string()))?);
+                    let runtime = fresh.and_then(|series| Runtime::new(scene, self.modes, series));
+                    self.runtime = Some(runtime.map_err(|error| Failure::broken(error.to_string()))?);
                 }
             }
         }
-        let series = self.machinery.as_mut().and_then(|machinery| machinery.series.as_mut());
+        let series = self.runtime.as_mut().and_then(|runtime| runtime.series.as_mut());
         if let (Some(series), Some(progress)) = (series, &state.progress) {
             series.resume(progress.state.time).map_err(|error| Failure::broken(error.to_string()))?;
         }
         self.state.clone_from(state);
         self.state.parameters = parameters;
-        if let (Some(machinery), Some(progress)) = (&self.machinery, &mut self.state.progress) {
-            progress.scene = Arc::clone(&machinery.scene);
+        if let (Some(runtime), Some(progress)) = (&self.runtime, &mut self.state.progress) {
+            progress.scene = Arc::clone(&runtime.scene);
         }
         Ok(())
     }
 
     fn derivatives(&mut self, unknowns: &[Reference], knowns: &[Reference]) -> Result<Vec<f64>, Failure> {
-        let (Some(machinery), Some(progress)) = (&self.machinery, &self.state.progress) else {
+        let (Some(runtime), Some(progress)) = (&self.runtime, &self.state.progress) else {
             return Err(not_initialised());
         };
         let Some(last) = &progress.last else {
             return Err(Failure::refused("directional derivatives belong to a step, and none was done yet"));
         };
-        let sensitivity = machinery
+        let sensitivity = runtime
             .solver
             .sensitivity(&last.before, &progress.state, &last.load, last.duration)
             .map_err(|error| Failure::refused(error.to_string()))?;

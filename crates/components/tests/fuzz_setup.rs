@@ -92,7 +92,7 @@ fn set_up(scene: &Scene) -> Result<bool, TestCaseError> {
     let solver = fluid::Solver::new(parameters, geometry).map_err(|error| TestCaseError::fail(error.to_string()))?;
     let state = solver.initial_state();
     prop_assert_eq!(state.positions.len(), count);
-    prop_assert!(state.volumes.iter().all(|volume| volume.is_finite() && *volume > 0.0), "areas {:?}", state.volumes);
+    prop_assert!(state.areas.iter().all(|volume| volume.is_finite() && *volume > 0.0), "areas {:?}", state.areas);
     prop_assert!(state.positions.iter().all(|place| place.x.is_finite() && place.y.is_finite()));
     Ok(bodies.is_ok())
 }

@@ -1,10 +1,10 @@
-//! Where the accurate scheme is stable: `cargo run --release -p fluid --example stability -- [SWEEP ...]`.
+//! Where the scheme `voronoi` is stable: `cargo run --release -p fluid --example stability -- [SWEEP ...]`.
 //!
 //! Changes one parameter at a time around the defaults, runs three cases with each value, judges every run by figures
 //! and prints Markdown tables. Sweeps: courant, spacing, start, alpha, shifting, repulsion, spreading,
 //! smoothing, tolerance.
 
-use fluid::{AccurateParameters, Geometry, Parameters, Scheme, SolveParameters, Solver, State};
+use fluid::{Geometry, Parameters, Scheme, SolveParameters, Solver, State, VoronoiParameters};
 use kinematics::Motion;
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -110,7 +110,7 @@ enum Start {
 struct Run {
     label: String,
     case: Case,
-    scheme: AccurateParameters,
+    scheme: VoronoiParameters,
     /// Depth in spacings.
     resolution: f64,
     start: Start,
@@ -121,7 +121,7 @@ struct Run {
 
 impl Run {
     fn new(label: String, case: Case) -> Self {
-        let scheme = AccurateParameters::default();
+        let scheme = VoronoiParameters::default();
         Self { label, case, scheme, resolution: DEPTH, start: Start::Square, tolerance: 1e-5, share: 1.0 }
     }
 
@@ -139,7 +139,7 @@ impl Run {
             density: DENSITY,
             gravity: Vector2::new(0.0, -GRAVITY),
             spacing: depth / self.resolution,
-            scheme: Scheme::Accurate(self.scheme.clone()),
+            scheme: Scheme::Voronoi(self.scheme.clone()),
             solve: SolveParameters { tolerance: self.tolerance, maximum_iterations: 500 },
             threads: 1,
             ..Parameters::default()
@@ -194,7 +194,7 @@ fn replace(state: &mut State, positions: Vec<Vector2<f64>>, area: f64) {
     state.positions = positions;
     state.velocities = vec![Vector2::zeros(); count];
     state.pressures = vec![0.0; count];
-    state.volumes = vec![area / count as f64; count];
+    state.areas = vec![area / count as f64; count];
     state.number_densities = vec![density; count];
     state.surface = vec![false; count];
 }

@@ -1,64 +1,50 @@
 //! Free-surface flow in two dimensions by the moving particle semi-implicit method.
 //!
-//! Two schemes: `accurate`, with Voronoi cells of the particles as weights, and `paper`, the classical weights.
+//! Two discretisations: `voronoi`, with Voronoi cells of the particles as weights, and `mps`, the classical weights.
 //!
 //! Governing equations: div u = 0 and Du/Dt = -grad p / rho + g, without viscosity. A step predicts velocities and
 //! positions from gravity, solves a Poisson equation for the pressure that stops the compression, and corrects.
-//! Walls are polylines; they clip cells, or fluid near a wall sees its own mirror image behind it (see [`images`]).
+//! Walls are polylines; they clip cells, or fluid near a wall sees its own mirror image behind it (see [`Image`]).
 //!
 //! `Solver::step` is a function of (state, motion of the walls, duration) only and gives the same bits for any
 //! number of threads. All quantities are SI, per metre of width.
+//!
+//! How the parts rest on each other, from below: `parallel`, `grid`, `linear` know nothing of water; `walls` and `setup`
+//! nothing of steps; `problem` and `state` are what a step is of; `discretisation` says what a step must do, `voronoi` and
+//! `mps` do it; `solver` makes communication steps of it.
 
-mod candidates;
-mod check;
-mod contact;
+mod diagnostics;
+mod discretisation;
 mod error;
-mod fill;
-mod free_surface;
-mod gaps;
 mod grid;
-mod grid_level;
-pub mod images;
-mod kernel;
-mod load;
-mod matrix;
+mod linear;
 mod motion;
-mod multigrid;
-mod neighbours;
-mod observe;
-pub mod operators;
+mod mps;
 mod order;
-mod outline;
-mod panel_motion;
 mod parallel;
 mod parameters;
 mod particles;
-mod places;
-mod prepare;
-mod pressure;
+mod pressure_field;
+mod problem;
 mod report;
-mod schedule;
-mod sides;
+mod setup;
 mod solver;
-mod stages;
 mod state;
-mod state_check;
-mod steps;
+mod time_step;
 mod voronoi;
-mod wall_check;
 mod walls;
 
+pub use diagnostics::Observables;
 pub use error::Error;
-pub use images::{Image, Mirror};
-pub use kernel::Kernel;
-pub use neighbours::Neighbourhood;
-pub use observe::Observables;
+pub use linear::SolveParameters;
+pub use mps::images::{Image, Mirror};
+pub use mps::kernel::Kernel;
 pub use parameters::{
-    AccurateParameters, AffineVelocity, DampingZone, Geometry, Jitter, PaperParameters, Parameters, Probe, Region,
-    Scheme, Shaking, SolveParameters, Source,
+    AffineVelocity, DampingZone, Geometry, Jitter, MpsParameters, Parameters, Probe, Region, Scheme, Shaking, Source,
+    VoronoiParameters,
 };
-pub use places::{Instrument, Misplaced};
 pub use report::{Report, StageTimes};
+pub use setup::places::{Instrument, Misplaced};
 pub use solver::{SUGGESTED_SHARE, Solver, Workspace};
-pub use stages::Stages;
 pub use state::{AreaRate, State};
+pub use voronoi::Stages;

@@ -20,9 +20,9 @@ pub fn interpolate(start: &Motion, end: &Motion, duration: f64, fraction: f64, o
     }
 }
 
-/// Motion foretold from the start of an internal step alone: it does not depend on the inputs of the step, so that a
+/// Motion extrapolated from the start of an internal step alone: it does not depend on the inputs of the step, so that a
 /// repeated step finds the same geometry.
-pub fn foretell(start: &Motion, time_step: f64, out: &mut Motion) {
+pub fn extrapolate(start: &Motion, time_step: f64, out: &mut Motion) {
     out.clone_from(start);
     out.position.axpy(time_step, &start.velocity, 1.0);
     out.position.axpy(0.5 * time_step * time_step, &start.acceleration, 1.0);

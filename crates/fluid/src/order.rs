@@ -46,7 +46,7 @@ impl Order {
         }
         permute(&mut state.positions, keys, vectors);
         permute(&mut state.velocities, keys, vectors);
-        for values in [&mut state.pressures, &mut state.volumes, &mut state.number_densities] {
+        for values in [&mut state.pressures, &mut state.areas, &mut state.number_densities] {
             permute(values, keys, numbers);
         }
         permute(&mut state.area_rates, keys, rates);

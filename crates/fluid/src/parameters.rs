@@ -1,6 +1,7 @@
 //! Parameters of the fluid solver and the geometry it works on, validated once.
 
 use crate::Error;
+use crate::linear::SolveParameters;
 use kinematics::Body;
 use nalgebra::{Matrix2, Vector2};
 use rand::{RngExt, SeedableRng};
@@ -30,7 +31,7 @@ pub struct Parameters {
 }
 
 impl Default for Parameters {
-    /// Water under gravity in the accurate scheme at its defaults, spacing 10 mm, on all processors.
+    /// Water under gravity in the scheme `voronoi` at its defaults, spacing 10 mm, on all processors.
     fn default() -> Self {
         Self {
             density: 1000.0,
@@ -39,7 +40,7 @@ impl Default for Parameters {
             shaking: Shaking::default(),
             damping: Vec::new(),
             spacing: 0.01,
-            scheme: Scheme::Accurate(AccurateParameters::default()),
+            scheme: Scheme::Voronoi(VoronoiParameters::default()),
             solve: SolveParameters { tolerance: 1e-5, maximum_iterations: 500 },
             threads: 0,
         }
@@ -104,9 +105,9 @@ impl DampingZone {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Scheme {
     /// The semi-implicit method as the paper states it.
-    Paper(PaperParameters),
+    Mps(MpsParameters),
     /// Voronoi cells as weights.
-    Accurate(AccurateParameters),
+    Voronoi(VoronoiParameters),
 }
 
 /// Source term of the pressure Poisson equation.
@@ -118,9 +119,9 @@ pub enum Source {
     Adaptive,
 }
 
-/// Parameters of the scheme `paper`.
+/// Parameters of the scheme `mps`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PaperParameters {
+pub struct MpsParameters {
     /// Effective radius r_e in spacings, 2.1 to 4.0; larger is smoother and slower.
     pub influence_radius: f64,
     /// Share of the density error removed per step, 0 to 1; larger holds the volume better and rings more.
@@ -144,9 +145,9 @@ pub struct PaperParameters {
     pub surface_deviation: f64,
 }
 
-/// Parameters of the scheme `accurate`.
+/// Parameters of the scheme `voronoi`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AccurateParameters {
+pub struct VoronoiParameters {
     /// Share of the error of a cell's area removed per step, 0 to 1.
     pub alpha: f64,
     /// Courant number u dt / l0, 0.01 to 1.
@@ -163,7 +164,7 @@ pub struct AccurateParameters {
     pub enclosed_pressure: f64,
 }
 
-impl Default for AccurateParameters {
+impl Default for VoronoiParameters {
     fn default() -> Self {
         Self {
             alpha: 0.01,
@@ -177,7 +178,7 @@ impl Default for AccurateParameters {
     }
 }
 
-impl Default for PaperParameters {
+impl Default for MpsParameters {
     fn default() -> Self {
         Self {
             influence_radius: 3.1,
@@ -191,15 +192,6 @@ impl Default for PaperParameters {
             surface_deviation: 0.2,
         }
     }
-}
-
-/// Parameters of the pressure solver.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SolveParameters {
-    /// Relative residual to reach, above 0 and at most 0.1.
-    pub tolerance: f64,
-    /// Iterations allowed.
-    pub maximum_iterations: usize,
 }
 
 /// A place where the pressure is read.
@@ -323,7 +315,7 @@ impl Parameters {
         (-rate * duration).exp()
     }
 
-    /// Checks every number against its range.
+    /// Checks every number against its range, but for those of the scheme: its discretisation checks them.
     pub fn validate(&self) -> Result<(), Error> {
         within("density", self.density, f64::MIN_POSITIVE, f64::MAX)?;
         within("spacing", self.spacing, f64::MIN_POSITIVE, f64::MAX)?;
@@ -335,16 +327,12 @@ impl Parameters {
         within("shaking.period", self.shaking.period, 1e-6, 1e9)?;
         self.damping.iter().try_for_each(DampingZone::validate)?;
         within("solve.tolerance", self.solve.tolerance, 1e-15, 0.1)?;
-        within("solve.maximum_iterations", self.solve.maximum_iterations as f64, 1.0, 1e9)?;
-        match &self.scheme {
-            Scheme::Paper(paper) => paper.validate(),
-            Scheme::Accurate(accurate) => accurate.validate(),
-        }
+        within("solve.maximum_iterations", self.solve.maximum_iterations as f64, 1.0, 1e9)
     }
 }
 
-impl AccurateParameters {
-    fn validate(&self) -> Result<(), Error> {
+impl VoronoiParameters {
+    pub(crate) fn validate(&self) -> Result<(), Error> {
         within("alpha", self.alpha, 0.0, 1.0)?;
         within("courant", self.courant, 0.01, 1.0)?;
         within("shifting", self.shifting, 0.0, 10.0)?;
@@ -355,8 +343,8 @@ impl AccurateParameters {
     }
 }
 
-impl PaperParameters {
-    fn validate(&self) -> Result<(), Error> {
+impl MpsParameters {
+    pub(crate) fn validate(&self) -> Result<(), Error> {
         within("influence_radius", self.influence_radius, 2.1, 4.0)?;
         within("alpha", self.alpha, 0.0, 1.0)?;
         within("courant", self.courant, 0.01, 0.5)?;

@@ -1,5 +1,7 @@
 //! What happened during a step.
 
+use crate::Error;
+use crate::linear::Outcome;
 use std::ops::AddAssign;
 use std::time::Instant;
 
@@ -51,6 +53,26 @@ pub struct Report {
     pub contacts: usize,
     /// Seconds by stage.
     pub stages: StageTimes,
+}
+
+impl Report {
+    /// Enters a solve for `unknowns` pressures at a time \[s\]; an error if it did not reach its tolerance.
+    pub(crate) fn enter_solve(
+        &mut self,
+        outcome: Outcome,
+        unknowns: usize,
+        time: f64,
+        tolerance: f64,
+    ) -> Result<(), Error> {
+        let Outcome { iterations, residual } = outcome;
+        self.unknowns = unknowns;
+        self.iterations += iterations;
+        self.residual = self.residual.max(residual);
+        if residual > tolerance || !residual.is_finite() {
+            return Err(Error::Pressure { time, iterations, residual, tolerance, unknowns });
+        }
+        Ok(())
+    }
 }
 
 /// A stop watch that adds laps to a stage.

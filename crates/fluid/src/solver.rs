@@ -1,69 +1,55 @@
-//! The solver: one communication step as named stages.
+//! The solver: one communication step as internal steps of its discretisation.
 
 use crate::Error;
-use crate::check;
-use crate::contact::BodyContact;
-use crate::fill;
+use crate::diagnostics::Observables;
+use crate::discretisation::Discretisation;
 use crate::grid::bounding_box;
 use crate::motion::interpolate;
-use crate::observe::{self, Observables};
-use crate::order::Order;
-use crate::panel_motion::PanelMotion;
+use crate::mps::Mps;
+use crate::order::{self, Order};
 use crate::parallel;
-use crate::parameters::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme};
-use crate::prepare::{Pace, Prepared, Setting};
-use crate::pressure::ConjugateGradient;
-use crate::report::Report;
-use crate::schedule::{Limits, next_step};
+use crate::parameters::{Geometry, Parameters, Scheme};
+use crate::particles;
+use crate::problem::Problem;
+use crate::report::{Report, Watch};
+use crate::setup::{check, fill};
 use crate::state::{AreaRate, State};
-use crate::voronoi;
-use crate::walls::Walls;
+use crate::time_step::{Limits, TimeStep, next_step};
+use crate::voronoi::Voronoi;
+use crate::walls::{BodyContact, Walls};
 use kinematics::Motion;
-use nalgebra::{DVector, Vector2};
+use nalgebra::Vector2;
 
 /// The semi-implicit particle method for one scene, in the scheme that its parameters name.
 ///
-/// Scheme `accurate`: see [`crate::voronoi`]. Scheme `paper`, one internal step of length dt:
-/// 1. foretell where the moving walls stand, x + v dt + a dt^2 / 2;
-/// 2. predict u* = u + g dt, r* = r + u* dt;
-/// 3. find neighbours and mirror images at r*, number density n, free surface;
-/// 4. solve lap p = (1 - alpha) rho div u* / dt + alpha rho (n0 - n) / (n0 dt^2) with p = 0 on the surface and
-///    dp/dn = rho (g - a_w).n at walls;
-/// 5. correct u = u* - dt grad p / rho and r with it; shift; collide; part close pairs; stop at walls;
-/// 6. integrate the wall pressure to the load.
-///
-/// Source: Koshizuka and Oka (1996); the mixed source term Tanaka and Masunaga (2010); the paper's equations (1)-(5).
 /// What comes before the solve does not depend on the motion asked for: a repeat from the same state starts there.
 #[derive(Debug)]
 pub struct Solver {
-    pub(crate) setting: Setting,
+    pub(crate) problem: Problem,
     pub(crate) start: Vec<Vector2<f64>>,
-    pub(crate) volumes: Vec<f64>,
+    pub(crate) areas: Vec<f64>,
     pub(crate) domain: (Vector2<f64>, Vector2<f64>),
+    /// The discretisation, without scratch.
+    pub(crate) discretisation: Box<dyn Discretisation>,
     pub(crate) contact: BodyContact,
     pub(crate) pool: rayon::ThreadPool,
 }
 
 /// Scratch of a solver. It may be thrown away at any time; only time is lost.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Workspace {
-    pub(crate) prepared: Prepared,
-    pub(crate) accurate: voronoi::prepare::Prepared,
-    pub(crate) candidate: Option<State>,
-    pub(crate) solve: ConjugateGradient<1>,
-    pub(crate) target: Motion,
-    /// Frozen coordinates with the velocities at the end of the step.
-    pub(crate) frozen_end: Motion,
-    pub(crate) end_walls: Walls,
-    pub(crate) end_panels: PanelMotion,
-    pub(crate) right_side: Vec<f64>,
-    pub(crate) solution: Vec<f64>,
-    /// Generalised acceleration over the step beyond the one that pressures were prepared for.
-    pub(crate) surplus: DVector<f64>,
-    pub(crate) vectors: Vec<Vector2<f64>>,
-    /// Positions before the particles were moved.
-    pub(crate) before: Vec<Vector2<f64>>,
-    pub(crate) order: Order,
+    discretisation: Box<dyn Discretisation>,
+    candidate: Option<State>,
+    target: Motion,
+    order: Order,
+}
+
+/// The one place where schemes are told apart.
+fn discretisation(scheme: &Scheme, cell: Vector2<f64>) -> Result<Box<dyn Discretisation>, Error> {
+    Ok(match scheme {
+        Scheme::Mps(parameters) => Box::new(Mps::new(parameters.clone(), cell)?),
+        Scheme::Voronoi(parameters) => Box::new(Voronoi::new(parameters.clone())?),
+    })
 }
 
 impl Solver {
@@ -74,48 +60,44 @@ impl Solver {
         check::is_of_bearable_size(&geometry, parameters.spacing)?;
         check::walls_are_sound(&geometry, parameters.spacing)?;
         let mut filling = fill::fill(&geometry.water, parameters.spacing)?;
-        let setting = Setting::new(parameters, geometry, &filling);
-        let spacing = setting.spacing;
-        let volumes = match &setting.parameters.scheme {
-            Scheme::Paper(_) => vec![spacing * spacing; filling.positions.len()],
-            Scheme::Accurate(_) => {
-                let water = &setting.geometry.water;
-                voronoi::relax::relax(&mut filling.positions, &filling.counts, water, spacing)
-            }
-        };
+        let discretisation = discretisation(&parameters.scheme, filling.cell)?;
+        let spacing = filling.effective_spacing;
+        let problem = Problem::new(parameters, geometry, spacing, discretisation.reach() * spacing);
+        let water = &problem.geometry.water;
+        let areas = discretisation.areas(&mut filling.positions, &filling.counts, water, spacing);
         let mut positions = filling.positions;
-        check::areas_are_sound(&volumes, &positions)?;
-        setting.geometry.jitter.apply(&mut positions, spacing);
-        let threads = setting.parameters.threads;
+        check::areas_are_sound(&areas, &positions)?;
+        problem.geometry.jitter.apply(&mut positions, spacing);
+        let threads = problem.parameters.threads;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
-        let (walls, contact) = setting.drawn();
-        check::fits_together(&walls, &setting.geometry, &positions, spacing)?;
+        let (walls, contact) = problem.drawn();
+        check::fits_together(&walls, &problem.geometry, &positions, spacing)?;
         check::no_overlap(&positions, spacing)?;
         let domain = domain(&walls, &positions);
-        Ok(Self { setting, contact, start: positions, volumes, domain, pool })
+        Ok(Self { problem, discretisation, contact, start: positions, areas, domain, pool })
     }
 
     /// Number of modes of the body; 0 without one.
     pub fn modes(&self) -> usize {
-        self.setting.modes()
+        self.problem.modes()
     }
 
     /// Corners at which a gap too narrow for a particle was closed, and its width \[m\].
     pub fn closed_gaps(&self) -> impl Iterator<Item = (Vector2<f64>, f64)> {
-        self.setting.gaps.iter().map(|gap| (gap.corner, gap.width))
+        self.problem.gaps.iter().map(|gap| (gap.corner, gap.width))
     }
 
     /// Whether the scheme gives an added mass.
     pub fn has_added_mass(&self) -> bool {
-        matches!(self.setting.parameters.scheme, Scheme::Accurate(_))
+        self.discretisation.has_added_mass()
     }
 
     /// Side of the square of a particle's area \[m\]: near the spacing asked for, such that the water fits.
     pub fn effective_spacing(&self) -> f64 {
-        self.setting.spacing
+        self.problem.spacing
     }
 
     /// The water at rest, as the geometry says.
@@ -131,35 +113,24 @@ impl Solver {
             acceleration: vec![0.0; kinematics::RIGID + modes],
             added_mass: vec![0.0; (kinematics::RIGID + modes).pow(2)],
             positions: self.start.clone(),
-            velocities: self.start.iter().map(|place| self.setting.geometry.start.at(place)).collect(),
+            velocities: self.start.iter().map(|place| self.problem.geometry.start.at(place)).collect(),
             pressures: vec![0.0; count],
-            volumes: self.volumes.clone(),
+            areas: self.areas.clone(),
             area_rates: vec![AreaRate::default(); count],
-            number_densities: vec![self.setting.kernel.reference_density; count],
+            number_densities: vec![self.discretisation.full_density(); count],
             surface: vec![false; count],
             lost: 0,
         };
-        Order::default().sort(&mut state, self.setting.spacing);
+        Order::default().sort(&mut state, self.problem.spacing);
         state
     }
 
     /// Scratch for this solver.
     pub fn workspace(&self) -> Workspace {
-        let modes = self.modes();
         Workspace {
-            prepared: Prepared::new(modes),
-            accurate: voronoi::prepare::Prepared::default(),
+            discretisation: self.discretisation.fresh(),
             candidate: None,
-            solve: ConjugateGradient::default(),
-            target: Motion::at_rest(modes),
-            frozen_end: Motion::at_rest(modes),
-            end_walls: Walls::default(),
-            end_panels: PanelMotion::default(),
-            right_side: Vec::new(),
-            solution: Vec::new(),
-            surplus: DVector::zeros(0),
-            vectors: Vec::new(),
-            before: Vec::new(),
+            target: Motion::at_rest(self.modes()),
             order: Order::default(),
         }
     }
@@ -184,30 +155,27 @@ impl Solver {
     }
 
     /// Finds pressure, load and added mass at a communication point at which nothing was stepped yet, with the body as it
-    /// stands. The scheme `paper` does nothing.
+    /// stands. Without an added mass this does nothing.
     pub fn begin(&self, state: &mut State, workspace: &mut Workspace) -> Result<Report, Error> {
         self.check_body_inside(&state.motion, state.time)?;
         let mut report = Report::default();
         let limits = self.limits_now(state);
-        let pace = Pace { time_step: limits.stable_step(), ordinary_step: limits.ordinary_step(), share: 1.0 };
-        workspace.target.clone_from(&state.motion);
-        self.pool.install(|| self.find_load(state, pace, workspace, &mut report))?;
+        let step = TimeStep { length: limits.stable_step(), ordinary: limits.ordinary_step(), share: 1.0 };
+        let Workspace { discretisation, target, .. } = workspace;
+        target.clone_from(&state.motion);
+        target.velocity.axpy(step.length, &state.motion.acceleration, 1.0);
+        self.pool.install(|| discretisation.find_load(&self.problem, state, step, target, &mut report))?;
         Ok(report)
     }
 
-    /// Figures of a state.
+    /// Quantities of a state.
     pub fn observe(&self, state: &State) -> Observables {
-        self.pool.install(|| observe::observe(&self.setting, state, None))
+        self.observe_with(state, &mut self.workspace())
     }
 
-    /// The same figures; what was prepared for them serves the next step.
+    /// The same; what was found for them serves the next step.
     pub fn observe_with(&self, state: &State, workspace: &mut Workspace) -> Observables {
-        self.pool.install(|| match &self.setting.parameters.scheme {
-            Scheme::Paper(_) => observe::observe(&self.setting, state, None),
-            Scheme::Accurate(_) => {
-                observe::observe(&self.setting, state, Some(workspace.accurate.cells_of(&self.setting, state)))
-            }
-        })
+        self.pool.install(|| workspace.discretisation.observe(&self.problem, state))
     }
 
     fn check_inputs(&self, state: &State, end: &Motion, duration: f64) -> Result<(), Error> {
@@ -252,8 +220,8 @@ impl Solver {
             done = if last { duration } else { done + time_step };
             workspace.target.clone_from(end);
             interpolate(&start.motion, end, duration, done / duration, &mut workspace.target);
-            let pace = Pace { time_step, ordinary_step: now.ordinary_step(), share: time_step / duration };
-            self.internal_step(candidate, pace, workspace, &mut report)?;
+            let step = TimeStep { length: time_step, ordinary: now.ordinary_step(), share: time_step / duration };
+            self.internal_step(candidate, step, workspace, &mut report)?;
             candidate.time = start.time + done;
         }
         for (k, mean) in candidate.acceleration.iter_mut().enumerate() {
@@ -263,37 +231,58 @@ impl Solver {
         Ok(report)
     }
 
+    /// One internal step: that of the discretisation, damping zones, and what must hold after every step.
+    fn internal_step(
+        &self,
+        state: &mut State,
+        step: TimeStep,
+        workspace: &mut Workspace,
+        report: &mut Report,
+    ) -> Result<(), Error> {
+        let Workspace { discretisation, target, order, .. } = workspace;
+        discretisation.step(&self.problem, state, step, target, report)?;
+        let mut watch = Watch::start();
+        check::all_finite(state, discretisation.places())?;
+        state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
+        state.motion.clone_from(target);
+        state.time_step = step.length;
+        state.steps += 1;
+        if order::is_due(state.steps) {
+            order.sort(state, self.problem.spacing);
+        }
+        particles::slow(state, &self.problem.parameters, step.length);
+        watch.lap(&mut report.stages.other);
+        report.substeps += 1;
+        Ok(())
+    }
+
     /// Limits of the next internal step from the state alone.
     fn limits_now(&self, state: &State) -> Limits {
-        let lonely = LONELY * self.setting.kernel.reference_density;
+        let lonely = LONELY * self.discretisation.full_density();
         let mut speed = parallel::maximum(state.velocities.len(), 0.0, |i| {
             let share = if state.number_densities[i] < lonely { LONELY_SPEED } else { 1.0 };
             state.velocities[i].norm() * share
         });
-        let parameters = &self.setting.parameters;
+        let parameters = &self.problem.parameters;
         let force = |place: &Vector2<f64>| parameters.body_force(place, state.time).norm();
         let mut acceleration = parameters.gravity.norm().max(force(&Vector2::zeros()));
         if parameters.attraction != 0.0 {
             acceleration = parallel::maximum(state.positions.len(), acceleration, |i| force(&state.positions[i]));
         }
-        if let Some(body) = &self.setting.geometry.body {
-            for point in self.setting.layout.panels.iter().flatten() {
+        if let Some(body) = &self.problem.geometry.body {
+            for point in self.problem.layout.panels.iter().flatten() {
                 speed = speed.max(body.velocity(*point, &state.motion).norm());
                 acceleration = acceleration.max(body.acceleration(*point, &state.motion).norm());
             }
         }
-        let (courant, ordinary_courant, ease) = match &self.setting.parameters.scheme {
-            Scheme::Paper(paper) => (paper.courant, PaperParameters::default().courant, 0.1),
-            Scheme::Accurate(accurate) => (accurate.courant, AccurateParameters::default().courant, 0.25),
-        };
-        Limits { spacing: self.setting.spacing, courant, ordinary_courant, speed, acceleration, ease }
+        Limits { spacing: self.problem.spacing, stability: self.discretisation.stability(), speed, acceleration }
     }
 
     /// The same limits with the speed of the walls on the way to `end` and there.
     fn limits_towards(&self, mut limits: Limits, state: &State, end: &Motion, left: f64) -> Result<Limits, Error> {
-        if let Some(body) = &self.setting.geometry.body {
+        if let Some(body) = &self.problem.geometry.body {
             self.contact.check(body, end, state.time)?;
-            for point in self.setting.layout.panels.iter().flatten() {
+            for point in self.problem.layout.panels.iter().flatten() {
                 let place = body.position(*point, end);
                 self.check_inside(&place, state.time)?;
                 let travelled = (place - body.position(*point, &state.motion)).norm() / left;
@@ -305,8 +294,8 @@ impl Solver {
 
     /// Refuses a motion that takes the body out of the domain.
     pub(crate) fn check_body_inside(&self, motion: &Motion, time: f64) -> Result<(), Error> {
-        let Some(body) = &self.setting.geometry.body else { return Ok(()) };
-        let mut points = self.setting.layout.panels.iter().flatten();
+        let Some(body) = &self.problem.geometry.body else { return Ok(()) };
+        let mut points = self.problem.layout.panels.iter().flatten();
         points.try_for_each(|point| self.check_inside(&body.position(*point, motion), time))
     }
 

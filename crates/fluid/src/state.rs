@@ -22,7 +22,7 @@ pub struct State {
     /// Mean acceleration of the coordinates over the last communication step, which the load belongs to.
     pub acceleration: Vec<f64>,
     /// Added mass of the coordinates, row after row, mean over the last communication step; zero for coordinates that
-    /// do not answer to the load, and with the scheme `paper`.
+    /// do not answer to the load, and with the scheme `mps`.
     pub added_mass: Vec<f64>,
     /// Positions \[m\].
     pub positions: Vec<Vector2<f64>>,
@@ -31,8 +31,8 @@ pub struct State {
     /// Pressures \[Pa\].
     pub pressures: Vec<f64>,
     /// Areas that the particles own \[m2\].
-    pub volumes: Vec<f64>,
-    /// What the last step left of the rates of cells' areas; zero with the scheme `paper`.
+    pub areas: Vec<f64>,
+    /// What the last step left of the rates of cells' areas; zero with the scheme `mps`.
     pub area_rates: Vec<AreaRate>,
     /// Number densities (dimensionless sums of weights).
     pub number_densities: Vec<f64>,
@@ -66,7 +66,7 @@ impl Clone for State {
             positions: Vec::new(),
             velocities: Vec::new(),
             pressures: Vec::new(),
-            volumes: Vec::new(),
+            areas: Vec::new(),
             area_rates: Vec::new(),
             number_densities: Vec::new(),
             surface: Vec::new(),
@@ -87,7 +87,7 @@ impl Clone for State {
         self.positions.clone_from(&source.positions);
         self.velocities.clone_from(&source.velocities);
         self.pressures.clone_from(&source.pressures);
-        self.volumes.clone_from(&source.volumes);
+        self.areas.clone_from(&source.areas);
         self.area_rates.clone_from(&source.area_rates);
         self.number_densities.clone_from(&source.number_densities);
         self.surface.clone_from(&source.surface);

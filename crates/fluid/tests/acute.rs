@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, parameters, points, rectangle, tank};
+use common::{parameters, points, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
 use kinematics::Body;
 use nalgebra::Vector2;
@@ -16,7 +16,7 @@ fn closed(corners: &[(f64, f64)]) -> Vec<Vector2<f64>> {
 }
 
 fn accepted(spacing: f64, geometry: Geometry) {
-    let solver = Solver::new(parameters(accurate(), spacing, 1e-6, 1), geometry);
+    let solver = Solver::new(parameters(voronoi(), spacing, 1e-6, 1), geometry);
     solver.map(|_| ()).unwrap_or_else(|error| panic!("spacing {spacing}: {error}"));
 }
 

@@ -1,9 +1,9 @@
-//! Added mass: the load that it foretells, its symmetry, and its value for a square deep under the surface.
+//! Added mass: the load that it predicts, its symmetry, and its value for a square deep under the surface.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod common;
 
-use common::{accurate, parameters, plate, rectangle, tank};
+use common::{parameters, plate, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver, State, Workspace};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
@@ -19,7 +19,7 @@ fn geometry(body: Body, active: Vec<usize>) -> Geometry {
 }
 
 fn solver(geometry: Geometry, spacing: f64) -> Solver {
-    Solver::new(parameters(accurate(), spacing, 1e-11, 2), geometry).unwrap()
+    Solver::new(parameters(voronoi(), spacing, 1e-11, 2), geometry).unwrap()
 }
 
 /// One step under a motion with this acceleration from rest; returns the state afterwards.
@@ -51,8 +51,8 @@ fn the_load_is_affine_in_the_acceleration() {
         let size = (0..5).map(|row| (mass[row * 5 + k] * scale).abs()).fold(0.0, f64::max);
         for row in 0..5 {
             let change = state.load[row] - reference.load[row];
-            let foretold = -mass[row * 5 + k] * scale;
-            assert!((change - foretold).abs() < 1e-6 * size, "{row}, {k}: {change} in place of {foretold}");
+            let extrapolated = -mass[row * 5 + k] * scale;
+            assert!((change - extrapolated).abs() < 1e-6 * size, "{row}, {k}: {change} in place of {extrapolated}");
             let mirrored = mass[k * 5 + row] - mass[row * 5 + k];
             assert!(mirrored.abs() <= 1e-12 * largest, "{row}, {k}: not symmetric by {mirrored}");
         }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, dam_break_plate, parameters, rectangle, tank};
+use common::{dam_break_plate, parameters, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
 use kinematics::Motion;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -44,7 +44,7 @@ const OF_THE_POOL: usize = STEPS.div_ceil(63);
 
 /// Allocations in the steps that follow twelve times as many: rows of the matrix grow now and then at first.
 fn allocations(geometry: Geometry, threads: usize) -> usize {
-    let solver = Solver::new(parameters(accurate(), 0.004, 1e-4, threads), geometry).unwrap();
+    let solver = Solver::new(parameters(voronoi(), 0.004, 1e-4, threads), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let still = Motion::at_rest(solver.modes());
     let mut run = || {

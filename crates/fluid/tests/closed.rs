@@ -4,7 +4,7 @@
 mod common;
 
 use common::{parameters, rectangle};
-use fluid::{AccurateParameters, Geometry, Observables, Parameters, Scheme, Solver};
+use fluid::{Geometry, Observables, Parameters, Scheme, Solver, VoronoiParameters};
 use kinematics::Motion;
 use nalgebra::Vector2;
 
@@ -16,7 +16,7 @@ fn closed_tank(x: f64) -> Vec<Vector2<f64>> {
 }
 
 fn rested(spacing: f64, tanks: &[f64], enclosed_pressure: f64, gravity: Vector2<f64>) -> Observables {
-    let scheme = Scheme::Accurate(AccurateParameters { enclosed_pressure, ..AccurateParameters::default() });
+    let scheme = Scheme::Voronoi(VoronoiParameters { enclosed_pressure, ..VoronoiParameters::default() });
     let geometry = Geometry {
         water: tanks.iter().map(|&x| rectangle(x, 0.0, x + 1.0, 0.5)).collect(),
         fixed_walls: tanks.iter().map(|&x| closed_tank(x)).collect(),

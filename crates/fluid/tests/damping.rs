@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, paper, parameters, points, rectangle, tank};
+use common::{mps, parameters, points, rectangle, tank, voronoi};
 use fluid::{AffineVelocity, DampingZone, Error, Geometry, Jitter, Solver};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
@@ -11,7 +11,7 @@ use nalgebra::Vector2;
 /// A square of water in flight without gravity loses its speed as exp(-rate t) where the damping is full.
 #[test]
 fn water_in_a_damping_zone_slows_down_exponentially() {
-    for scheme in [accurate(), paper()] {
+    for scheme in [voronoi(), mps()] {
         let mut parameters = parameters(scheme, 0.05, 1e-8, 1);
         parameters.gravity = Vector2::zeros();
         parameters.damping = vec![DampingZone { from: -2.0, to: -1.0, rate: 5.0 }];
@@ -34,7 +34,7 @@ fn the_rate_grows_with_the_square_of_the_way() {
     let zone = DampingZone { from: 0.8, to: 0.0, rate: 20.0 };
     let rates = [1.0, 0.8, 0.4, 0.0, -1.0].map(|x| zone.rate_at(x));
     assert!(rates.iter().zip([0.0, 0.0, 5.0, 20.0, 20.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{rates:?}");
-    let mut parameters = parameters(accurate(), 0.05, 1e-8, 1);
+    let mut parameters = parameters(voronoi(), 0.05, 1e-8, 1);
     parameters.damping = vec![DampingZone { from: 0.8, to: 0.8, rate: 20.0 }];
     assert!(parameters.validate().unwrap_err().to_string().contains("damping.to = 0.8"));
 }
@@ -46,7 +46,7 @@ fn a_damped_end_does_not_echo() {
     let energy = |damping: Vec<DampingZone>| {
         let hump = points(&[(0.0, 0.0), (2.0, 0.0), (2.0, 0.2), (1.2, 0.2), (1.0, 0.25), (0.8, 0.2), (0.0, 0.2)]);
         let geometry = Geometry { water: vec![hump], fixed_walls: vec![tank(2.0, 0.6)], ..Geometry::default() };
-        let parameters = fluid::Parameters { damping, ..parameters(accurate(), 0.02, 1e-5, 2) };
+        let parameters = fluid::Parameters { damping, ..parameters(voronoi(), 0.02, 1e-5, 2) };
         let solver = Solver::new(parameters, geometry).unwrap();
         let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
         for _ in 0..150 {
@@ -66,7 +66,7 @@ fn a_seed_decides_the_displacements() {
     let places = |amplitude: f64, seed: u64| {
         let jitter = Jitter { amplitude, seed };
         let geometry = Geometry { water: vec![rectangle(0.0, 0.0, 0.5, 0.5)], jitter, ..Geometry::default() };
-        Solver::new(parameters(accurate(), 0.05, 1e-5, 1), geometry).map(|solver| solver.initial_state().positions)
+        Solver::new(parameters(voronoi(), 0.05, 1e-5, 1), geometry).map(|solver| solver.initial_state().positions)
     };
     let (none, one, again, other) = (places(0.0, 1), places(0.1, 1), places(0.1, 1), places(0.1, 2));
     assert_eq!(one, again);
@@ -90,7 +90,7 @@ fn a_body_that_passes_through_a_wall_is_refused() {
         body: Some(body),
         ..Geometry::default()
     };
-    let solver = Solver::new(parameters(accurate(), 0.05, 1e-5, 1), geometry).unwrap();
+    let solver = Solver::new(parameters(voronoi(), 0.05, 1e-5, 1), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let mut fall = |depth: f64| {
         let mut end = Motion::at_rest(0);

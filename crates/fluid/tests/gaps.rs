@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, parameters, points, rectangle, tank};
+use common::{parameters, points, rectangle, tank, voronoi};
 use fluid::{Error, Geometry, Observables, Solver, State};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
@@ -13,7 +13,7 @@ const SPACING: f64 = 0.02;
 const WEIGHT: f64 = 9810.0;
 
 fn rested(geometry: Geometry) -> (State, Observables) {
-    let solver = Solver::new(parameters(accurate(), SPACING, 1e-8, 2), geometry).unwrap();
+    let solver = Solver::new(parameters(voronoi(), SPACING, 1e-8, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     for _ in 0..40 {
         solver.step(&mut state, &Motion::at_rest(0), 0.005, &mut workspace).unwrap();
@@ -78,7 +78,7 @@ fn a_body_that_stands_on_the_floor_does_not_sink_into_it() {
             body: Some(body),
             ..Geometry::default()
         };
-        let solver = Solver::new(parameters(accurate(), SPACING, 1e-8, 2), geometry).unwrap();
+        let solver = Solver::new(parameters(voronoi(), SPACING, 1e-8, 2), geometry).unwrap();
         let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
         let mut sink = |depth: f64| {
             let mut end = Motion::at_rest(0);

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, paper, parameters, points, rectangle, tank};
+use common::{mps, parameters, points, rectangle, tank, voronoi};
 use fluid::{Geometry, Scheme, Solver};
 use kinematics::Motion;
 use nalgebra::Vector2;
@@ -34,7 +34,7 @@ fn settled(scheme: Scheme, spacing: f64, geometry: Geometry) -> (Vector2<f64>, f
 #[test]
 fn water_with_a_slit_is_at_rest() {
     for (spacing, side, low, high) in [(0.05, 1.0, 0.4, 0.6), (0.025, 0.4, 0.15, 0.25)] {
-        let (force, speed, lost) = settled(accurate(), spacing, geometry(side, low, high));
+        let (force, speed, lost) = settled(voronoi(), spacing, geometry(side, low, high));
         let weight = 9810.0 * (side * side - (high - low).powi(2));
         assert!((force.y / weight + 1.0).abs() < 0.01, "force {force:?} for a weight of {weight}");
         assert!(force.x.abs() < 0.002 * weight && lost == 0, "{force:?}, {lost} particles lost");
@@ -42,10 +42,10 @@ fn water_with_a_slit_is_at_rest() {
     }
 }
 
-/// The scheme `paper` takes the same polygon.
+/// The scheme `mps` takes the same polygon.
 #[test]
 fn the_classical_scheme_fills_it_too() {
-    let solver = Solver::new(parameters(paper(), 0.05, 1e-8, 1), geometry(1.0, 0.4, 0.6)).unwrap();
+    let solver = Solver::new(parameters(mps(), 0.05, 1e-8, 1), geometry(1.0, 0.4, 0.6)).unwrap();
     assert_eq!(solver.initial_state().positions.len(), 384);
 }
 
@@ -54,7 +54,7 @@ fn walls_on_the_wrong_side_are_refused_with_place_and_remedy() {
     let base = |walls: &[&[(f64, f64)]]| {
         let fixed_walls = walls.iter().map(|wall| points(wall)).collect();
         let geometry = Geometry { water: vec![rectangle(0.0, 0.0, 0.3, 0.25)], fixed_walls, ..Geometry::default() };
-        Solver::new(parameters(accurate(), 0.02, 1e-8, 1), geometry).map(|_| ()).map_err(|error| error.to_string())
+        Solver::new(parameters(voronoi(), 0.02, 1e-8, 1), geometry).map(|_| ()).map_err(|error| error.to_string())
     };
     let tank: &[(f64, f64)] = &[(0.0, 0.8), (0.0, 0.0), (1.0, 0.0), (1.0, 0.8)];
     let refused = |walls: &[&[(f64, f64)]], words: &[&str]| {
@@ -85,6 +85,6 @@ fn water_within_a_block_that_stands_in_the_floor_is_refused() {
     block.reverse();
     let water = vec![rectangle(0.45, 0.0, 0.55, 0.1)];
     let geometry = Geometry { water, fixed_walls: vec![tank(1.0, 0.8), block], ..Geometry::default() };
-    let message = Solver::new(parameters(accurate(), 0.05, 1e-8, 1), geometry).unwrap_err().to_string();
+    let message = Solver::new(parameters(voronoi(), 0.05, 1e-8, 1), geometry).unwrap_err().to_string();
     assert!(message.contains("inside a solid"), "{message}");
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, dam_break_plate, paper, parameters};
+use common::{dam_break_plate, mps, parameters, voronoi};
 use fluid::{Solver, State, Workspace};
 use kinematics::Motion;
 
@@ -26,7 +26,7 @@ fn advance(solver: &Solver, state: &mut State, workspace: &mut Workspace, steps:
 
 #[test]
 fn one_and_two_threads_give_the_same_bits() {
-    for scheme in [paper(), accurate()] {
+    for scheme in [mps(), voronoi()] {
         let run = |threads| {
             let solver = Solver::new(parameters(scheme.clone(), 0.006, 1e-6, threads), dam_break_plate()).unwrap();
             let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
@@ -41,7 +41,7 @@ fn one_and_two_threads_give_the_same_bits() {
 
 #[test]
 fn a_repeat_from_a_saved_state_gives_the_same_bits_and_reuses_the_preparation() {
-    for scheme in [paper(), accurate()] {
+    for scheme in [mps(), voronoi()] {
         let solver = Solver::new(parameters(scheme.clone(), 0.006, 1e-6, 2), dam_break_plate()).unwrap();
         let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
         advance(&solver, &mut state, &mut workspace, 150);
@@ -65,7 +65,7 @@ fn a_repeat_from_a_saved_state_gives_the_same_bits_and_reuses_the_preparation() 
 
 #[test]
 fn a_refused_step_leaves_the_state_alone() {
-    let solver = Solver::new(parameters(paper(), 0.006, 1e-6, 1), dam_break_plate()).unwrap();
+    let solver = Solver::new(parameters(mps(), 0.006, 1e-6, 1), dam_break_plate()).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let before = state.clone();
     let mut bad = Motion::at_rest(2);

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, paper, parameters, rectangle, tank};
+use common::{mps, parameters, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
 use kinematics::Motion;
 use nalgebra::Vector2;
@@ -19,7 +19,7 @@ fn still_water_stays_in_and_throws_nothing_out() {
         probes: vec![Vector2::new(0.5, 0.0).into()],
         ..Geometry::default()
     };
-    let solver = Solver::new(parameters(paper(), 0.02, 1e-3, 2), geometry).unwrap();
+    let solver = Solver::new(parameters(mps(), 0.02, 1e-3, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let count = state.positions.len();
     let (mut pressures, mut fastest) = (Vec::new(), 0.0_f64);
@@ -61,7 +61,7 @@ fn the_pressure_is_there_before_the_first_step() {
         probes: at_the_floor.to_vec(),
         ..Geometry::default()
     };
-    let solver = Solver::new(parameters(accurate(), 0.02, 1e-5, 2), geometry).unwrap();
+    let solver = Solver::new(parameters(voronoi(), 0.02, 1e-5, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     solver.begin(&mut state, &mut workspace).unwrap();
     let seen = solver.observe(&state);
@@ -75,7 +75,7 @@ fn the_pressure_is_there_before_the_first_step() {
     assert_eq!((state.time, state.steps, seen.maximum_speed), (0.0, 0, 0.0));
 }
 
-/// The worst seen while water is at rest with the accurate scheme, over what it should be.
+/// The worst seen while water is at rest with the scheme `voronoi`, over what it should be.
 #[derive(Debug, Default)]
 struct Worst {
     pressure: f64,
@@ -95,7 +95,7 @@ fn rest(jitter: f64, settled: f64) -> Worst {
         gauges: vec![0.3],
         ..Geometry::default()
     };
-    let solver = Solver::new(parameters(accurate(), 0.02, 1e-5, 2), geometry).unwrap();
+    let solver = Solver::new(parameters(voronoi(), 0.02, 1e-5, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let noise = |k: usize| ((k * 7919 + 31) % 1009) as f64 / 504.5 - 1.0;
     for (k, position) in state.positions.iter_mut().enumerate() {
@@ -120,7 +120,7 @@ fn rest(jitter: f64, settled: f64) -> Worst {
 
 /// From the lattice everything is exact but for the tolerance of the solver, 1e-5.
 #[test]
-fn water_on_a_lattice_is_still_with_the_accurate_scheme() {
+fn water_on_a_lattice_is_still_with_voronoi_cells() {
     let worst = rest(0.0, 0.0);
     let small = worst.pressure < 1e-4 && worst.force < 1e-4 && worst.level < 1e-6 && worst.fall < 1e-6;
     assert!(small && worst.speed < 1e-4, "{worst:?}");
@@ -128,7 +128,7 @@ fn water_on_a_lattice_is_still_with_the_accurate_scheme() {
 
 /// From disorder the water settles within a second.
 #[test]
-fn jittered_water_comes_to_rest_with_the_accurate_scheme() {
+fn jittered_water_comes_to_rest_with_voronoi_cells() {
     let worst = rest(0.2, 1.0);
     let small = worst.pressure < 2e-3 && worst.force < 2e-3 && worst.level < 5e-3 && worst.fall < 5e-4;
     assert!(small && worst.speed < 0.01, "{worst:?}");
@@ -141,6 +141,6 @@ fn overlapping_water_is_refused_with_the_place() {
         fixed_walls: vec![tank(1.0, 0.8)],
         ..Geometry::default()
     };
-    let error = Solver::new(parameters(paper(), 0.02, 1e-3, 1), geometry).map(|_| ()).unwrap_err().to_string();
+    let error = Solver::new(parameters(mps(), 0.02, 1e-3, 1), geometry).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("two particles near") && error.contains("overlap"), "{error}");
 }

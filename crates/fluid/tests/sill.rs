@@ -4,7 +4,7 @@
 mod common;
 
 use common::{parameters, points, rectangle};
-use fluid::{AccurateParameters, Geometry, Scheme, Solver};
+use fluid::{Geometry, Scheme, Solver, VoronoiParameters};
 use kinematics::Motion;
 
 /// Energy and water beyond the sill every 10 ms, of water 0.6 m deep behind a wall with a slot 0.16 m high.
@@ -24,7 +24,7 @@ fn flow(courant: f64) -> (Vec<f64>, f64) {
         fixed_walls: vec![points(&sill), points(&[(1.69, 1.0), (1.69, 0.7038), (1.65, 0.7038), (1.65, 1.0)])],
         ..Geometry::default()
     };
-    let scheme = Scheme::Accurate(AccurateParameters { courant, ..AccurateParameters::default() });
+    let scheme = Scheme::Voronoi(VoronoiParameters { courant, ..VoronoiParameters::default() });
     let solver = Solver::new(parameters(scheme, 0.01, 1e-5, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let mut energies = Vec::new();
@@ -33,7 +33,7 @@ fn flow(courant: f64) -> (Vec<f64>, f64) {
         let seen = solver.observe(&state);
         energies.push(seen.kinetic_energy + seen.potential_energy);
     }
-    let beyond = state.positions.iter().zip(&state.volumes).filter(|(place, _)| place.x > 1.65);
+    let beyond = state.positions.iter().zip(&state.areas).filter(|(place, _)| place.x > 1.65);
     (energies, beyond.map(|(_, volume)| volume).sum())
 }
 

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, parameters, rectangle, tank};
+use common::{parameters, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
 use kinematics::Motion;
 use nalgebra::Vector2;
@@ -20,7 +20,7 @@ fn a_dam_break_throws_nothing_out() {
             ..Geometry::default()
         };
         let spacing = 0.292 / 50.0;
-        let solver = Solver::new(parameters(accurate(), spacing, 1e-5, 2), geometry).unwrap();
+        let solver = Solver::new(parameters(voronoi(), spacing, 1e-5, 2), geometry).unwrap();
         let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
         let noise = |k: usize| ((k * 7919 + 31) % 1009) as f64 / 504.5 - 1.0;
         for (k, position) in state.positions.iter_mut().enumerate() {

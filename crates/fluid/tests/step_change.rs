@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{accurate, parameters, points, rectangle};
+use common::{parameters, points, rectangle, voronoi};
 use fluid::{Geometry, Jitter, Parameters, Probe, Solver};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
@@ -32,7 +32,7 @@ fn wedge(degrees: f64, spacing: f64, tolerance: f64, seed: u64) -> Solver {
         jitter: Jitter { amplitude: if seed > 0 { 0.01 } else { 0.0 }, seed },
         ..Geometry::default()
     };
-    let parameters = Parameters { gravity: Vector2::zeros(), ..parameters(accurate(), spacing, tolerance, 2) };
+    let parameters = Parameters { gravity: Vector2::zeros(), ..parameters(voronoi(), spacing, tolerance, 2) };
     Solver::new(parameters, geometry).unwrap()
 }
 

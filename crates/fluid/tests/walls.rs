@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::{accurate, paper, parameters, plate, rectangle, tank};
-use fluid::{AccurateParameters, Geometry, Probe, Scheme, Solver};
+use common::{mps, parameters, plate, rectangle, tank, voronoi};
+use fluid::{Geometry, Probe, Scheme, Solver, VoronoiParameters};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
 
@@ -20,7 +20,7 @@ fn images_complete_the_lattice_at_walls_and_corners() {
         fixed_walls: vec![tank(0.5, 0.9)],
         ..Geometry::default()
     };
-    let mut parameters = parameters(paper(), 0.02, 1e-8, 1);
+    let mut parameters = parameters(mps(), 0.02, 1e-8, 1);
     parameters.gravity = Vector2::zeros();
     let solver = Solver::new(parameters, geometry).unwrap();
     let mut state = solver.initial_state();
@@ -44,9 +44,8 @@ fn hydrostatic_slope_is_exact_and_level_of_first_order() {
         probes: vec![Vector2::new(0.5, 0.0).into()],
         ..Geometry::default()
     };
-    let mut parameters = parameters(paper(), 0.02, 1e-10, 1);
-    parameters.scheme =
-        fluid::Scheme::Paper(fluid::PaperParameters { alpha: 0.0, ..fluid::PaperParameters::default() });
+    let mut parameters = parameters(mps(), 0.02, 1e-10, 1);
+    parameters.scheme = fluid::Scheme::Mps(fluid::MpsParameters { alpha: 0.0, ..fluid::MpsParameters::default() });
     let solver = Solver::new(parameters, geometry).unwrap();
     let mut state = solver.initial_state();
     solver.step(&mut state, &Motion::at_rest(0), 1e-4, &mut solver.workspace()).unwrap();
@@ -65,7 +64,7 @@ fn hydrostatic_slope_is_exact_and_level_of_first_order() {
 /// A wall that is pushed into water 1 m deep: force per acceleration 0.5427 rho H^2 (Westergaard 1933).
 #[test]
 fn added_mass_of_a_wall_is_westergaards() {
-    for (scheme, tolerance) in [(paper(), 0.005), (accurate(), 0.003)] {
+    for (scheme, tolerance) in [(mps(), 0.005), (voronoi(), 0.003)] {
         let wall = vec![Vector2::new(0.0, 1.2), Vector2::new(0.0, -0.2)];
         let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![wall], beam: None };
         let geometry = Geometry {
@@ -92,7 +91,7 @@ fn added_mass_of_a_wall_is_westergaards() {
 /// The load of one step is affine in the acceleration asked for, as every accelerated coupling assumes.
 #[test]
 fn load_is_affine_in_the_acceleration() {
-    for scheme in [paper(), accurate()] {
+    for scheme in [mps(), voronoi()] {
         let solver = Solver::new(parameters(scheme.clone(), 0.004, 1e-12, 2), with_water_at_the_plate(0.012)).unwrap();
         let start = solver.initial_state();
         let load = |acceleration: [f64; 2]| {
@@ -122,11 +121,11 @@ fn load_is_affine_in_the_acceleration() {
 /// What is left comes from the free surface, whose pull on a cell is exact for linear pressures and not for momentum.
 #[test]
 fn momentum_of_a_dam_break_is_that_of_gravity_and_walls() {
-    let scheme = Scheme::Accurate(AccurateParameters {
+    let scheme = Scheme::Voronoi(VoronoiParameters {
         shifting: 0.0,
         repulsion: 0.0,
         spreading: 0.0,
-        ..AccurateParameters::default()
+        ..VoronoiParameters::default()
     });
     let tank = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![tank(0.584, 0.8)], beam: None };
     let geometry = Geometry { water: vec![rectangle(0.0, 0.0, 0.146, 0.292)], body: Some(tank), ..Geometry::default() };
@@ -156,7 +155,7 @@ fn with_water_at_the_plate(thickness: f64) -> Geometry {
 /// does, at any thickness.
 #[test]
 fn nothing_passes_a_swinging_plate_of_any_thickness() {
-    for scheme in [paper(), accurate()] {
+    for scheme in [mps(), voronoi()] {
         for thickness in [0.0005, 0.002, 0.004, 0.013] {
             swing_a_plate(&scheme, thickness);
         }
@@ -206,7 +205,7 @@ fn swing_a_plate(scheme: &Scheme, thickness: f64) {
 /// the paper's scheme p = 0 stands about a quarter of a spacing above the water: its level is of first order.
 #[test]
 fn still_water_loads_only_the_wet_face() {
-    for (scheme, tolerance) in [(paper(), 0.04), (accurate(), 1e-3)] {
+    for (scheme, tolerance) in [(mps(), 0.04), (voronoi(), 1e-3)] {
         for thickness in [0.001, 0.004, 0.013] {
             let solver =
                 Solver::new(parameters(scheme.clone(), 0.002, 1e-10, 2), with_water_at_the_plate(thickness)).unwrap();

@@ -154,7 +154,7 @@ impl Body {
     /// Adds the virtual work of a `force` (N per metre of width, global frame) on this point to the generalised `load`,
     /// 3 + N: `load_k += (d position / d x_k) . force`.
     ///
-    /// Print to mind: equation (A15) of the paper takes the moment about the global origin; the work on theta is the
+    /// Misprint in the paper: equation (A15) of the paper takes the moment about the global origin; the work on theta is the
     /// moment about o_R, where it stands now.
     pub fn add_force(&self, point: MaterialPoint, coordinates: &DVector<f64>, force: Vector2<f64>, load: &mut [f64]) {
         let rotation = self.rotation(coordinates);
@@ -169,7 +169,7 @@ impl Body {
 
     /// Rotation from the body frame to the global frame.
     ///
-    /// Print to mind: the paper's (7) and (A11)-(A13) give one constant matrix for all of U, R_R and R. Only R, from
+    /// Misprint in the paper: the paper's (7) and (A11)-(A13) give one constant matrix for all of U, R_R and R. Only R, from
     /// the beam's frame (s, w) to the body frame, is constant; R_R = Rot(theta), U = dRot/dtheta Rot^T,
     /// R_F = Rot(theta) R.
     fn rotation(&self, coordinates: &DVector<f64>) -> Rotation2<f64> {

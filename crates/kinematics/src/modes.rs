@@ -33,7 +33,7 @@ pub enum Support {
 /// in which nothing cancels and nothing exceeds one in size.
 ///
 /// The modes satisfy `integral phi_i phi_j rho_l dx = delta_ij`; phi has the unit 1/sqrt(kg/m).
-/// Print to mind: after equation (13) the paper counts x from the origin of the beam frame, yet its equations (16)-(18)
+/// Misprint in the paper: after equation (13) the paper counts x from the origin of the beam frame, yet its equations (16)-(18)
 /// hold only with that origin at mid-beam; so x = s + l/2 with s from the middle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeamModes {
@@ -137,7 +137,7 @@ impl BeamModes {
     /// Natural circular frequency of mode `index` in vacuo, rad/s, for a bending stiffness EJ in N m2 per metre of
     /// width.
     ///
-    /// Print to mind: the paper's table 1 lists the same three frequencies for every Young's modulus, infinity
+    /// Misprint in the paper: the paper's table 1 lists the same three frequencies for every Young's modulus, infinity
     /// included; they scale with its square root.
     pub fn frequency(&self, index: usize, bending_stiffness: f64) -> f64 {
         self.wave_number(&self.modes[index]).powi(2) * (bending_stiffness / self.line_density).sqrt()

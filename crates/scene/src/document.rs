@@ -164,10 +164,18 @@ fn said(path: &str, error: &toml::de::Error) -> String {
     format!("{}{}", before(path), words::plain(error.message()))
 }
 
-/// The known key nearest to an unknown one, from an error text that lists the known ones in backquotes.
+/// Names that were others once, and what they are now.
+const RENAMED: &[(&str, &str)] = &[("accurate", "voronoi"), ("paper", "mps")];
+
+/// What an unknown key is called now, or the known key nearest to it, from an error text that lists the known ones in
+/// backquotes.
 fn hint(message: &str) -> String {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let Some(unknown) = quoted.next().filter(|_| message.contains("unknown")) else { return String::new() };
+    let renamed = RENAMED.iter().find(|(old, new)| *old == unknown && quoted.clone().any(|known| known == *new));
+    if let Some((old, new)) = renamed {
+        return format!("; `{old}` is called `{new}` now");
+    }
     let score = |known: &str| (strsim::jaro_winkler(unknown, known) * 1e6) as i64;
     let nearest = quoted.max_by_key(|known| score(known));
     nearest.map_or_else(String::new, |key| format!("; did you mean `{key}`?"))

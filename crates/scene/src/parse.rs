@@ -65,12 +65,24 @@ mod tests {
 
     #[test]
     fn overrides_reach_nested_and_indexed_keys() {
-        let overrides = parse_overrides("fluid.spacing=0.02; fluid.paper.alpha = 0.05; title=other").unwrap();
+        let overrides = parse_overrides("fluid.spacing=0.02; fluid.mps.alpha = 0.05; title=other").unwrap();
         let scene = Scene::with_overrides(SCENE, "tank.toml", &overrides).unwrap();
         let fluid = scene.fluid.unwrap();
-        assert_eq!((fluid.spacing, fluid.paper.alpha, scene.title.as_str()), (0.02, 0.05, "other"));
+        assert_eq!((fluid.spacing, fluid.mps.alpha, scene.title.as_str()), (0.02, 0.05, "other"));
         let bad = Scene::with_overrides(SCENE, "t", &[("fluid.spacin".into(), "1".into())]).unwrap_err();
         assert!(bad.to_string().contains("`spacing`"), "{bad}");
+    }
+
+    #[test]
+    fn old_names_say_the_new_ones() {
+        for (old, new) in [("accurate", "voronoi"), ("paper", "mps")] {
+            for change in [format!("scheme = '{old}'"), format!("{old} = {{ alpha = 0.01 }}")] {
+                let text = SCENE.replace("spacing = 0.01", &format!("spacing = 0.01\n{change}"));
+                let message = Scene::from_str(&text, "tank.toml").unwrap_err().to_string();
+                let expected = format!("`{old}` is called `{new}` now");
+                assert!(message.contains(&expected) && message.contains("line 7"), "{message}");
+            }
+        }
     }
 
     #[test]

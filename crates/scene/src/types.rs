@@ -118,12 +118,12 @@ pub struct Fluid {
     /// Discretisation.
     #[serde(default)]
     pub scheme: Scheme,
-    /// Parameters of the scheme `accurate`.
+    /// Parameters of the scheme `voronoi`.
     #[serde(default)]
-    pub accurate: Accurate,
+    pub voronoi: Voronoi,
     /// Parameters of the paper's scheme.
     #[serde(default)]
-    pub paper: Paper,
+    pub mps: Mps,
     /// Pressure solver.
     #[serde(default)]
     pub solve: Solve,
@@ -206,19 +206,19 @@ impl Default for Shaking {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
-    /// Voronoi cells of the particles as weights: accurate, quiet and without numbers to tune.
+    /// Voronoi cells of the particles as weights: voronoi, quiet and without numbers to tune.
     #[default]
-    Accurate,
+    Voronoi,
     /// The moving particle semi-implicit method as the paper states it.
-    Paper,
+    Mps,
 }
 
 impl Scheme {
     /// The word in the scene file.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Accurate => "accurate",
-            Self::Paper => "paper",
+            Self::Voronoi => "voronoi",
+            Self::Mps => "mps",
         }
     }
 }
@@ -234,10 +234,10 @@ pub enum Source {
     Adaptive,
 }
 
-/// Parameters of the scheme `accurate`. No scene needs others than the defaults.
+/// Parameters of the scheme `voronoi`. No scene needs others than the defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct Accurate {
+pub struct Voronoi {
     /// Share of the error of a cell's area removed per step (0 to 1): larger holds areas closer and is noisier.
     pub alpha: f64,
     /// Courant number u dt / l0, 0.01 to 1.
@@ -254,7 +254,7 @@ pub struct Accurate {
     pub enclosed_pressure: f64,
 }
 
-impl Default for Accurate {
+impl Default for Voronoi {
     fn default() -> Self {
         Self {
             alpha: 0.01,
@@ -268,10 +268,10 @@ impl Default for Accurate {
     }
 }
 
-/// Parameters of the scheme `paper`.
+/// Parameters of the scheme `mps`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct Paper {
+pub struct Mps {
     /// Effective radius r_e in spacings, 2.1 to 4.0: larger is smoother and slower.
     pub influence_radius: f64,
     /// Share of the density error removed per step (0 to 1): larger holds the volume better and rings more.
@@ -293,7 +293,7 @@ pub struct Paper {
     pub surface_deviation: f64,
 }
 
-impl Default for Paper {
+impl Default for Mps {
     fn default() -> Self {
         Self {
             influence_radius: 3.1,

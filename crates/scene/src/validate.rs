@@ -104,6 +104,15 @@ pub fn validate_checks(checks: &[Check], name: &str) -> Result<(), Error> {
     Checker { name }.unique("check", checks.iter().map(|check| check.name.as_str()).enumerate())
 }
 
+impl QuickCheck {
+    fn validate(&self, check: &Checker, key: &str) -> Result<(), Error> {
+        for (name, value) in [("reference", self.reference), ("from", self.from), ("to", self.to)] {
+            check.finite_if(&format!("{key}.{name}"), value)?;
+        }
+        check.within(&format!("{key}.limit"), self.limit.unwrap_or(0.0), 0.0, f64::MAX)
+    }
+}
+
 impl Scene {
     /// Checks every value against its range; `name` is used in messages.
     pub fn validate(&self, name: &str) -> Result<(), Error> {
@@ -204,6 +213,7 @@ impl Check {
         check.positive(&key("window"), self.window.unwrap_or(1.0))?;
         check.finite_if(&key("level"), self.level)?;
         check.finite_if(&key("rest"), self.rest)?;
+        self.quick.as_ref().map_or(Ok(()), |quick| quick.validate(&check, &key("quick")))?;
         check.positive(&key("depth"), self.depth.unwrap_or(1.0))
     }
 }
@@ -213,22 +223,22 @@ fn validate_fluid(check: &Checker, fluid: &Fluid, has_body: bool) -> Result<(), 
     check.positive("fluid.spacing", fluid.spacing)?;
     check.within("fluid.threads", fluid.threads as f64, 0.0, 1024.0)?;
     validate_forcing(check, fluid)?;
-    let accurate = &fluid.accurate;
-    check.within("fluid.accurate.alpha", accurate.alpha, 0.0, 1.0)?;
-    check.within("fluid.accurate.courant", accurate.courant, 0.01, 1.0)?;
-    check.within("fluid.accurate.shifting", accurate.shifting, 0.0, 10.0)?;
-    check.within("fluid.accurate.repulsion", accurate.repulsion, 0.0, 100.0)?;
-    check.within("fluid.accurate.spreading", accurate.spreading, 0.0, 200.0)?;
-    check.within("fluid.accurate.smoothing", accurate.smoothing, 0.0, 10.0)?;
-    check.within("fluid.accurate.enclosed_pressure", accurate.enclosed_pressure, -1e12, 1e12)?;
-    let paper = &fluid.paper;
-    check.within("fluid.paper.influence_radius", paper.influence_radius, 2.1, 4.0)?;
-    check.within("fluid.paper.alpha", paper.alpha, 0.0, 1.0)?;
-    check.within("fluid.paper.courant", paper.courant, 0.01, 0.5)?;
-    check.within("fluid.paper.shifting", paper.shifting, 0.0, 0.5)?;
-    check.within("fluid.paper.collision_distance", paper.collision_distance, 0.0, 1.0)?;
-    check.within("fluid.paper.restitution", paper.restitution, 0.0, 1.0)?;
-    check.within("fluid.paper.surface_deviation", paper.surface_deviation, 0.0, 1.0)?;
+    let voronoi = &fluid.voronoi;
+    check.within("fluid.voronoi.alpha", voronoi.alpha, 0.0, 1.0)?;
+    check.within("fluid.voronoi.courant", voronoi.courant, 0.01, 1.0)?;
+    check.within("fluid.voronoi.shifting", voronoi.shifting, 0.0, 10.0)?;
+    check.within("fluid.voronoi.repulsion", voronoi.repulsion, 0.0, 100.0)?;
+    check.within("fluid.voronoi.spreading", voronoi.spreading, 0.0, 200.0)?;
+    check.within("fluid.voronoi.smoothing", voronoi.smoothing, 0.0, 10.0)?;
+    check.within("fluid.voronoi.enclosed_pressure", voronoi.enclosed_pressure, -1e12, 1e12)?;
+    let mps = &fluid.mps;
+    check.within("fluid.mps.influence_radius", mps.influence_radius, 2.1, 4.0)?;
+    check.within("fluid.mps.alpha", mps.alpha, 0.0, 1.0)?;
+    check.within("fluid.mps.courant", mps.courant, 0.01, 0.5)?;
+    check.within("fluid.mps.shifting", mps.shifting, 0.0, 0.5)?;
+    check.within("fluid.mps.collision_distance", mps.collision_distance, 0.0, 1.0)?;
+    check.within("fluid.mps.restitution", mps.restitution, 0.0, 1.0)?;
+    check.within("fluid.mps.surface_deviation", mps.surface_deviation, 0.0, 1.0)?;
     check.within("fluid.solve.tolerance", fluid.solve.tolerance, 0.0, 0.1)?;
     check.within("fluid.solve.maximum_iterations", fluid.solve.maximum_iterations as f64, 1.0, 1e6)?;
     if fluid.water.is_empty() {

@@ -28,8 +28,8 @@ wall = [{ points = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]] }]
 probe = [{ name = "p", point = [0.0, 0.1] }, { name = "l", from = [0.0, 0.1], to = [0.0, 0.4], count = 3 }]
 gauge = [{ name = "g", x = 0.5 }]
 region = [{ name = "r", polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]] }]
-accurate = { alpha = 0.01, courant = 0.4, shifting = 1.0, repulsion = 20.0, spreading = 30.0, smoothing = 1.0, enclosed_pressure = 0.0 }
-paper = { influence_radius = 3.1, alpha = 0.01, courant = 0.2, shifting = 0.03, collision_distance = 0.8, restitution = 0.2, surface_deviation = 0.2 }
+voronoi = { alpha = 0.01, courant = 0.4, shifting = 1.0, repulsion = 20.0, spreading = 30.0, smoothing = 1.0, enclosed_pressure = 0.0 }
+mps = { influence_radius = 3.1, alpha = 0.01, courant = 0.2, shifting = 0.03, collision_distance = 0.8, restitution = 0.2, surface_deviation = 0.2 }
 solve = { tolerance = 1e-3, maximum_iterations = 100 }
 [structure]
 origin = [0.5, 0.6]
@@ -84,6 +84,7 @@ window = 0.05
 level = 1.0
 rest = 1.0
 points = [[0.0, 1.0]]
+quick = { limit = 0.1, reference = 1.0, from = 0.1, to = 0.2 }
 "#;
 
 /// Keys with a bound: the nearest values that are refused, and the bounds that are accepted.
@@ -109,20 +110,20 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("fluid.shaking.amplitude.0", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
     ("fluid.shaking.amplitude.1", &["-1.1e6", "1.1e6"], &["-1e6", "1e6"]),
     ("fluid.shaking.period", &["-1", "0", "0.9e-6", "1.1e9"], &["1e-6", "1e9"]),
-    ("fluid.accurate.alpha", &["-0.01", "1.01"], &["0", "1"]),
-    ("fluid.accurate.courant", &["0.009", "1.01"], &["0.01", "1"]),
-    ("fluid.accurate.shifting", &["-0.01", "10.1"], &["0", "10"]),
-    ("fluid.accurate.repulsion", &["-0.01", "101"], &["0", "100"]),
-    ("fluid.accurate.spreading", &["-0.01", "201"], &["0", "200"]),
-    ("fluid.accurate.smoothing", &["-0.01", "10.1"], &["0", "10"]),
-    ("fluid.accurate.enclosed_pressure", &["-1.1e12", "1.1e12"], &["-1e12", "1e12"]),
-    ("fluid.paper.influence_radius", &["2.09", "4.01"], &["2.1", "4"]),
-    ("fluid.paper.alpha", &["-0.01", "1.01"], &["0", "1"]),
-    ("fluid.paper.courant", &["0.009", "0.51"], &["0.01", "0.5"]),
-    ("fluid.paper.shifting", &["-0.01", "0.51"], &["0", "0.5"]),
-    ("fluid.paper.collision_distance", &["-0.01", "1.01"], &["0", "1"]),
-    ("fluid.paper.restitution", &["-0.01", "1.01"], &["0", "1"]),
-    ("fluid.paper.surface_deviation", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.voronoi.alpha", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.voronoi.courant", &["0.009", "1.01"], &["0.01", "1"]),
+    ("fluid.voronoi.shifting", &["-0.01", "10.1"], &["0", "10"]),
+    ("fluid.voronoi.repulsion", &["-0.01", "101"], &["0", "100"]),
+    ("fluid.voronoi.spreading", &["-0.01", "201"], &["0", "200"]),
+    ("fluid.voronoi.smoothing", &["-0.01", "10.1"], &["0", "10"]),
+    ("fluid.voronoi.enclosed_pressure", &["-1.1e12", "1.1e12"], &["-1e12", "1e12"]),
+    ("fluid.mps.influence_radius", &["2.09", "4.01"], &["2.1", "4"]),
+    ("fluid.mps.alpha", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.mps.courant", &["0.009", "0.51"], &["0.01", "0.5"]),
+    ("fluid.mps.shifting", &["-0.01", "0.51"], &["0", "0.5"]),
+    ("fluid.mps.collision_distance", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.mps.restitution", &["-0.01", "1.01"], &["0", "1"]),
+    ("fluid.mps.surface_deviation", &["-0.01", "1.01"], &["0", "1"]),
     ("fluid.solve.tolerance", &["-1e-9", "0.11"], &["0", "0.1"]),
     ("fluid.solve.maximum_iterations", &["-1", "0", "1000001"], &["1", "1000000"]),
     ("fluid.probe.1.count", &["-1", "0", "1001", "9000000000000000000"], &["1", "1000"]),
@@ -160,6 +161,7 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("check.0.to", &["0.09"], &["0.1"]),
     ("check.0.time_scale", &["-1", "0"], &["0.1"]),
     ("check.0.limit", &["-1e-9"], &["0"]),
+    ("check.0.quick.limit", &["-1e-9"], &["0"]),
     ("check.0.window", &["-1", "0"], &["0.1"]),
     ("check.0.depth", &["-1", "0"], &["0.1"]),
 ];
@@ -265,7 +267,7 @@ fn lists_that_are_too_short_or_too_long() {
         ("structure.constant_load", "[0,0,0,0,0,6]", &["structure.constant_load = 6", "from 0 to 5"]),
         ("structure.beam.damping", "[0,0,0]", &["structure.beam.damping = 3", "from 0 to 2"]),
         ("structure.beam.initial_modes", "[0,0,0]", &["structure.beam.initial_modes = 3", "from 0 to 2"]),
-        ("fluid.scheme", "papr", &["fluid.scheme=papr", "did you mean `paper`"]),
+        ("fluid.scheme", "voronoy", &["fluid.scheme=voronoy", "did you mean `voronoi`"]),
         ("structure.free", "['z']", &["unknown word `z`"]),
         ("fluid.spacing.deep", "1", &["fluid.spacing.deep=1", "no table"]),
         ("fluid.water.7.polygon", "[]", &["`7`", "below 1"]),

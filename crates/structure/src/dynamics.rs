@@ -122,7 +122,7 @@ impl Dynamics {
 
     /// `h(x, xd) + grad V(x) + C xd` into `out`, n.
     ///
-    /// Prints to mind: (17) ends with `-theta-dd cos(theta) psi.qdd`, right is `-sin(theta) psi.qdd`, and its terms in
+    /// Misprint in the paper: (17) ends with `-theta-dd cos(theta) psi.qdd`, right is `-sin(theta) psi.qdd`, and its terms in
     /// theta-d^2 and theta-dd have psi03 q3-dot for psi03 q3; (18) has `M_F (x_of cos + y_of sin)` for
     /// `g (cos m_bx - sin m_by)`: the factor g, the sign and the deflection are missing; (19)-(21) lack the weight of
     /// the modes, `-g sin(theta) psi0_i`.
@@ -245,7 +245,7 @@ impl Dynamics {
     /// V, J per metre of width: weight (zero with o_R at its place in the scene and everything at its height), springs,
     /// contact and bending.
     ///
-    /// Print to mind: (A5) has the beam's centre without its deflection; here m_b carries it.
+    /// Misprint in the paper: (A5) has the beam's centre without its deflection; here m_b carries it.
     pub fn potential_energy(&self, position: &DVector<f64>) -> f64 {
         let weight = self.gravity * (self.mass * position[1] + self.pose(position).arm().y);
         let q = modal(position);
@@ -278,7 +278,7 @@ impl Dynamics {
     }
 
     fn pose(&self, position: &DVector<f64>) -> Pose {
-        // Print to mind: (A11)-(A13) hold the rotation constant; it is Rot(theta), counted here from the scene's angle.
+        // Misprint in the paper: (A11)-(A13) hold the rotation constant; it is Rot(theta), counted here from the scene's angle.
         let (sin, cos) = (self.angle + position[2]).sin_cos();
         let along = self.beam_mass * self.middle.x - self.psi0.dot(&modal(position));
         Pose {

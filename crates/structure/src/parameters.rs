@@ -42,7 +42,7 @@ pub struct BeamParameters {
     pub middle: Vector2<f64>,
     /// EJ, N m2 per metre of width: E h^3/12, or E h^3/(12 (1 - nu^2)) in plane strain.
     ///
-    /// Print to mind: table 1 of the paper has the thickness 0.04 mm, which fits its frequencies for no bulkhead of
+    /// Misprint in the paper: table 1 of the paper has the thickness 0.04 mm, which fits its frequencies for no bulkhead of
     /// that cabin.
     pub bending_stiffness: f64,
     /// Largest deflection for which the linear beam counts as valid, m; a step that would exceed it is an error.

@@ -105,7 +105,7 @@ def plimsoll(program, spacing, folder, courant):
     """Runs the program; the figures are those of its summary."""
     out = folder / f"plimsoll-{spacing}"
     command = [program, "run", "dam_break_peers", "--quiet", "--out", str(out), "--set", f"fluid.spacing={spacing}"]
-    command += ["--set", f"fluid.accurate.courant={courant}"] if courant else []
+    command += ["--set", f"fluid.voronoi.courant={courant}"] if courant else []
     subprocess.run(command, check=True)
     summary = json.loads((out / "summary.json").read_text())
     with open(out / "results.csv") as table:

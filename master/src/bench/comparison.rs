@@ -66,11 +66,11 @@ impl Comparison {
         order_between(coarser.into_iter().find(|(spacing, _)| *spacing > trial.spacing)?, fine)
     }
 
-    /// How many times longer the paper's scheme takes to the error of this run of the accurate scheme.
-    pub fn factor(&self, accurate: &Trial, figure: usize) -> Option<Factor> {
-        let error = accurate.errors[figure].filter(|_| accurate.scheme == Scheme::Accurate)?;
-        let seconds = accurate.seconds();
-        let factor = match time_to_error(&self.errors_by_time(Scheme::Paper, figure), error)? {
+    /// How many times longer the paper's scheme takes to the error of this run of the scheme `voronoi`.
+    pub fn factor(&self, voronoi: &Trial, figure: usize) -> Option<Factor> {
+        let error = voronoi.errors[figure].filter(|_| voronoi.scheme == Scheme::Voronoi)?;
+        let seconds = voronoi.seconds();
+        let factor = match time_to_error(&self.errors_by_time(Scheme::Mps, figure), error)? {
             TimeToError::Reached(time) => Factor::Equal(time / seconds),
             TimeToError::AtMost(time) => Factor::AtMost(time / seconds),
             TimeToError::NotReached { more_than, nearest_error, nearest_time } => {
@@ -80,11 +80,11 @@ impl Comparison {
         Some(factor)
     }
 
-    /// How many times longer the paper's scheme takes to the smallest of its errors than the accurate scheme.
-    pub fn factor_at_best_of_paper(&self, figure: usize) -> Option<Factor> {
-        let paper = self.errors_by_time(Scheme::Paper, figure);
-        let (seconds, error) = paper.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let factor = match time_to_error(&self.errors_by_time(Scheme::Accurate, figure), error)? {
+    /// How many times longer the paper's scheme takes to the smallest of its errors than the scheme `voronoi`.
+    pub fn factor_at_best_of_mps(&self, figure: usize) -> Option<Factor> {
+        let mps = self.errors_by_time(Scheme::Mps, figure);
+        let (seconds, error) = mps.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let factor = match time_to_error(&self.errors_by_time(Scheme::Voronoi, figure), error)? {
             TimeToError::Reached(time) => Factor::Equal(seconds / time),
             TimeToError::AtMost(time) => Factor::MoreThan { factor: seconds / time, nearest: None },
             TimeToError::NotReached { more_than, .. } => Factor::AtMost(seconds / more_than),
@@ -93,14 +93,14 @@ impl Comparison {
     }
 }
 
-/// Time of the paper's scheme over time of the accurate one at equal error.
+/// Time of the paper's scheme over time of `voronoi` at equal error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Factor {
     /// As interpolated.
     Equal(f64),
-    /// An upper bound: the paper's coarsest run is already as good, or no run of the accurate scheme is.
+    /// An upper bound: the paper's coarsest run is already as good, or no run of the scheme `voronoi` is.
     AtMost(f64),
-    /// A lower bound: no run of the paper's scheme is as good, or the coarsest of the accurate one already is.
+    /// A lower bound: no run of the paper's scheme is as good, or the coarsest of `voronoi` already is.
     MoreThan {
         /// The bound, from the paper's longest run.
         factor: f64,
@@ -119,7 +119,7 @@ pub(super) mod tests {
     pub(in crate::bench) fn example() -> Comparison {
         let plan = Plan { figures: &["pressure"], ..PLANS[0] };
         let run = |spacing: f64, scheme: Scheme| {
-            let fast = scheme == Scheme::Accurate;
+            let fast = scheme == Scheme::Voronoi;
             let (error, time) = if fast { (spacing.powi(2), 1.0) } else { (10.0 * spacing, 2.0) };
             Trial {
                 scheme,
@@ -134,7 +134,7 @@ pub(super) mod tests {
             }
         };
         let spacings = [0.4, 0.2, 0.1];
-        let both = |spacing| [run(spacing, Scheme::Accurate), run(spacing, Scheme::Paper)];
+        let both = |spacing| [run(spacing, Scheme::Voronoi), run(spacing, Scheme::Mps)];
         let trials = spacings.into_iter().flat_map(both).collect();
         Comparison { plan, title: "tank".to_string(), scene_end: 10.0, trials }
     }
@@ -142,9 +142,9 @@ pub(super) mod tests {
     #[test]
     fn orders_and_lists() {
         let comparison = example();
-        assert_eq!(comparison.schemes(), [Scheme::Accurate, Scheme::Paper]);
+        assert_eq!(comparison.schemes(), [Scheme::Voronoi, Scheme::Mps]);
         assert_eq!(comparison.spacings(), [0.4, 0.2, 0.1]);
-        assert!((comparison.order(Scheme::Accurate, 0).unwrap() - 2.0).abs() < 1e-12);
+        assert!((comparison.order(Scheme::Voronoi, 0).unwrap() - 2.0).abs() < 1e-12);
         assert_eq!(comparison.order_since(&comparison.trials[0], 0), None);
         assert!((comparison.order_since(&comparison.trials[5], 0).unwrap() - 1.0).abs() < 1e-12);
     }
@@ -154,7 +154,7 @@ pub(super) mod tests {
         let mut comparison = example();
         comparison.trials[2].errors[0] = None;
         comparison.trials[2].problem = "failed at 0.1 s".to_string();
-        assert!((comparison.order(Scheme::Accurate, 0).unwrap() - 2.0).abs() < 1e-12);
+        assert!((comparison.order(Scheme::Voronoi, 0).unwrap() - 2.0).abs() < 1e-12);
         // From 0.4 straight to 0.1.
         assert!((comparison.order_since(&comparison.trials[4], 0).unwrap() - 2.0).abs() < 1e-12);
         assert_eq!(comparison.factor(&comparison.trials[2], 0), None);
@@ -163,26 +163,26 @@ pub(super) mod tests {
     #[test]
     fn the_factor_is_the_time_at_equal_error_or_a_bound() {
         let mut comparison = example();
-        // The paper's best error is 1, the accurate scheme's worst 0.16: its longest run took 2000 s against 15.625 s.
+        // The paper's best error is 1, the scheme `voronoi`'s worst 0.16: its longest run took 2000 s against 15.625 s.
         let Some(Factor::MoreThan { factor, nearest: Some((nearest_error, nearest_time)) }) =
             comparison.factor(&comparison.trials[0], 0)
         else {
             panic!()
         };
-        // The other way round the accurate scheme's coarsest run is better than the paper's best: the same bound.
-        let best = comparison.factor_at_best_of_paper(0);
+        // The other way round the scheme `voronoi`'s coarsest run is better than the paper's best: the same bound.
+        let best = comparison.factor_at_best_of_mps(0);
         assert!(matches!(best, Some(Factor::MoreThan { factor: same, nearest: None }) if (same - factor).abs() < 1e-6));
         let time = 0.4_f64.powi(-3);
         assert!((factor - 2000.0 / time).abs() < 1e-6 * factor && (nearest_error - 1.0).abs() < 1e-12);
         assert!((nearest_time - 2000.0).abs() < 1e-6);
         // With errors 0.5 h, error 0.16 belongs to h = 0.32 and a time of 2 / 0.32^3.
-        for trial in comparison.trials.iter_mut().filter(|trial| trial.scheme == Scheme::Paper) {
+        for trial in comparison.trials.iter_mut().filter(|trial| trial.scheme == Scheme::Mps) {
             trial.errors[0] = Some(0.5 * trial.spacing);
         }
         let Some(Factor::Equal(factor)) = comparison.factor(&comparison.trials[0], 0) else { panic!() };
         assert!((factor - 2.0 * 0.32_f64.powi(-3) / time).abs() < 1e-9, "{factor}");
         // The paper's best error 0.05 after 2000 s belongs to h = sqrt(0.05) and a time of 0.05^-1.5.
-        let Some(Factor::Equal(factor)) = comparison.factor_at_best_of_paper(0) else { panic!() };
+        let Some(Factor::Equal(factor)) = comparison.factor_at_best_of_mps(0) else { panic!() };
         assert!((factor - 2000.0 * 0.05_f64.powf(1.5)).abs() < 1e-9, "{factor}");
     }
 }

@@ -52,7 +52,7 @@ pub struct AccuracyArguments {
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
     /// Schemes to run, separated by commas.
-    #[arg(long, value_delimiter = ',', default_value = "accurate,paper", value_parser = scheme)]
+    #[arg(long, value_delimiter = ',', default_value = "voronoi,mps", value_parser = scheme)]
     pub schemes: Vec<Scheme>,
     /// Spacings per scene, from the coarsest of its plan on (2 to 4).
     #[arg(long, default_value_t = 3, value_parser = levels)]
@@ -76,8 +76,8 @@ pub struct AccuracyArguments {
 }
 
 fn scheme(text: &str) -> Result<Scheme, String> {
-    let known = [Scheme::Accurate, Scheme::Paper].into_iter().find(|scheme| scheme.name() == text);
-    known.ok_or_else(|| "expected 'accurate' or 'paper'".to_string())
+    let known = [Scheme::Voronoi, Scheme::Mps].into_iter().find(|scheme| scheme.name() == text);
+    known.ok_or_else(|| "expected 'voronoi' or 'mps'".to_string())
 }
 
 fn levels(text: &str) -> Result<usize, String> {

@@ -26,12 +26,13 @@ fn circumstances(record: &Record) -> String {
 }
 
 fn overview(record: &Record) -> String {
-    let mut text = "## Overview\n\nErrors at the finest spacing, orders by least squares, and the factor: time of `paper` \
-                    over time of `accurate` at equal error, once at the error of the coarsest run of `accurate`, once at \
-                    the smallest error of `paper`.\n\n"
-        .to_string();
-    text += "| scene | figure | unit | spacing [m] | error, accurate | order | error, paper | order | factor at coarsest of \
-             accurate | factor at best of paper |\n|---|---|---|---|---|---|---|---|---|---|\n";
+    let mut text =
+        "## Overview\n\nErrors at the finest spacing, orders by least squares, and the factor: time of `mps` \
+                    over time of `voronoi` at equal error, once at the error of the coarsest run of `voronoi`, once at \
+                    the smallest error of `mps`.\n\n"
+            .to_string();
+    text += "| scene | figure | unit | spacing [m] | error, voronoi | order | error, mps | order | factor at coarsest of \
+             voronoi | factor at best of mps |\n|---|---|---|---|---|---|---|---|---|---|\n";
     for comparison in &record.comparisons {
         for figure in 0..comparison.plan.figures.len() {
             text += &overview_row(comparison, figure);
@@ -41,7 +42,7 @@ fn overview(record: &Record) -> String {
 }
 
 fn overview_row(comparison: &Comparison, figure: usize) -> String {
-    let runs = comparison.runs(Scheme::Accurate);
+    let runs = comparison.runs(Scheme::Voronoi);
     let coarsest = runs.iter().find(|trial| trial.errors[figure].is_some());
     let finest = |scheme| number(comparison.runs(scheme).last().and_then(|trial| trial.errors[figure]));
     let order = |scheme| decimal(comparison.order(scheme, figure));
@@ -51,12 +52,12 @@ fn overview_row(comparison: &Comparison, figure: usize) -> String {
         comparison.plan.figures[figure],
         unit(comparison, figure),
         number(comparison.spacings().last().copied()),
-        finest(Scheme::Accurate),
-        order(Scheme::Accurate),
-        finest(Scheme::Paper),
-        order(Scheme::Paper),
+        finest(Scheme::Voronoi),
+        order(Scheme::Voronoi),
+        finest(Scheme::Mps),
+        order(Scheme::Mps),
         brief(coarsest.and_then(|trial| comparison.factor(trial, figure))),
-        brief(comparison.factor_at_best_of_paper(figure)),
+        brief(comparison.factor_at_best_of_mps(figure)),
     )
 }
 
@@ -109,7 +110,7 @@ fn work_row(trial: &Trial) -> String {
 }
 
 fn errors(comparison: &Comparison, figure: usize) -> String {
-    let mut text = "| scheme | spacing [m] | error | order | time [s] | paper time / accurate time at this error |\n\
+    let mut text = "| scheme | spacing [m] | error | order | time [s] | mps time / voronoi time at this error |\n\
                     |---|---|---|---|---|---|\n"
         .to_string();
     for scheme in comparison.schemes() {
@@ -183,7 +184,7 @@ mod tests {
         let has = |text: &str| assert!(page.contains(text), "no '{text}' in\n{page}");
         has("| hydrostatic | pressure | m | 0.1000 | 0.01000 | 2.00 | 1.000 | 1.00 | above 128 | above 128 |");
         has("Run to 2 s instead of 10 s.");
-        has("| paper | 0.4 | - | - | 31.25 | - |");
+        has("| mps | 0.4 | - | - | 31.25 | - |");
         has("| failed at 0.1 s |");
         has("above 128: not reached, nearest 1.000 in 2000 s");
         has("2.2 and unknown");

@@ -82,7 +82,7 @@ mod tests {
             assert!(folder.path().join(format!("hydrostatic-{name}")).is_file(), "{name}");
         }
         let svg = std::fs::read_to_string(folder.path().join("hydrostatic-spacing.svg")).unwrap();
-        assert!(svg.contains("accurate, order 2.0") && svg.contains("paper, order 1.0") && svg.contains("error [m]"));
+        assert!(svg.contains("voronoi, order 2.0") && svg.contains("mps, order 1.0") && svg.contains("error [m]"));
     }
 
     #[test]

@@ -89,7 +89,7 @@ mod tests {
         let mut reader = csv::Reader::from_path(&path).unwrap();
         let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(rows.len(), 6);
-        assert_eq!((&rows[0][3], &rows[0][4], &rows[0][15]), ("accurate", "0.4", "0"));
+        assert_eq!((&rows[0][3], &rows[0][4], &rows[0][15]), ("voronoi", "0.4", "0"));
         assert_eq!((&rows[1][5], &rows[1][19]), ("", "failed at 1 s: \"a, b\""));
         assert!((rows[4][6].parse::<f64>().unwrap() - 2.0).abs() < 1e-12);
     }

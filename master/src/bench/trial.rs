@@ -5,7 +5,7 @@ use super::plan::Plan;
 use crate::checkpoint::Schedule;
 use crate::checks::{self, Context};
 use crate::in_process;
-use crate::job::Facts;
+use crate::job::ReportMetadata;
 use crate::log::Log;
 use crate::progress::{Progress, Style};
 use crate::record::{CheckResult, Series, Status};
@@ -127,7 +127,7 @@ pub fn trial(
                 series: &outcome.series,
                 frames: &places.frames,
                 folder: scenes,
-                water: Facts::of(&scene).water,
+                water: ReportMetadata::of(&scene).water,
             };
             trial.take_errors(plan, &checks::evaluate(&scene.check, &context));
         }
@@ -248,7 +248,7 @@ mod tests {
     }
 
     fn empty(plan: &Plan) -> Trial {
-        Trial { wall: 2.0, processor: Some(1.5), ..Trial::unmeasured(plan, Scheme::Accurate, 0.01, 1) }
+        Trial { wall: 2.0, processor: Some(1.5), ..Trial::unmeasured(plan, Scheme::Voronoi, 0.01, 1) }
     }
 
     #[test]

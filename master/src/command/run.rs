@@ -4,7 +4,7 @@ use super::{Failure, INTERRUPTED, MISSED, watch_for_interruption};
 use crate::case::Case;
 use crate::fmu::FmuParticipant;
 use crate::folder::{RunFolder, Wish};
-use crate::job::{self, Facts, Job};
+use crate::job::{self, Job, ReportMetadata};
 use crate::log::Log;
 use crate::pack;
 use crate::participant::Participant;
@@ -190,8 +190,8 @@ fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resu
     let inputs = toml::to_string(&scene.for_resuming())?;
     let (name, references) = (target.name.clone(), target.references.clone());
     let warnings = job::warnings(&case, Some(&scene), &references);
-    let (facts, parquet) = (Facts::of(&scene), arguments.parquet);
-    Ok((Job { name, case, folder, references, facts, inputs, parquet, warnings }, Some(packing)))
+    let (metadata, parquet) = (ReportMetadata::of(&scene), arguments.parquet);
+    Ok((Job { name, case, folder, references, metadata, inputs, parquet, warnings }, Some(packing)))
 }
 
 fn case_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Result<Job, Failure> {
@@ -204,8 +204,8 @@ fn case_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resul
     let inputs = toml::to_string(&case.for_resuming())?;
     let (name, references) = (target.name.clone(), target.references.clone());
     let warnings = job::warnings(&case, None, &references);
-    let (facts, parquet) = (Facts::default(), arguments.parquet);
-    Ok(Job { name, case, folder, references, facts, inputs, parquet, warnings })
+    let (metadata, parquet) = (ReportMetadata::default(), arguments.parquet);
+    Ok(Job { name, case, folder, references, metadata, inputs, parquet, warnings })
 }
 
 /// The case of a file, with FMUs where they are now.

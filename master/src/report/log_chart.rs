@@ -173,7 +173,7 @@ mod tests {
         super::super::prepare_font();
         let folder = tempfile::tempdir().unwrap();
         let points = vec![(0.01, 1e-3), (0.02, 0.0), (0.04, f64::NAN), (0.08, 0.1)];
-        let curve = Curve { label: "accurate, order 2.0".into(), points, markers: false };
+        let curve = Curve { label: "voronoi, order 2.0".into(), points, markers: false };
         let guide = Curve { label: "order 1".into(), points: vec![(0.01, 0.01), (0.08, 0.08)], markers: false };
         let ticks = vec![0.01, 0.02, 0.04, 0.08];
         let (curves, guides) = (vec![curve], vec![guide]);
@@ -181,7 +181,7 @@ mod tests {
         let png = chart.draw(&folder.path().join("a")).unwrap();
         assert!(std::fs::read(png).unwrap().len() > 5_000);
         let svg = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
-        assert!(svg.contains("accurate, order 2.0") && svg.contains("0.08"));
+        assert!(svg.contains("voronoi, order 2.0") && svg.contains("0.08"));
         LogChart::default().draw(&folder.path().join("empty")).unwrap();
     }
 }

@@ -105,7 +105,7 @@ pub struct StudyArguments {
 
 /// A run and what it gave.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Done {
+pub struct FinishedRun {
     /// Where it is.
     pub folder: PathBuf,
     /// Summary of the run.
@@ -122,5 +122,5 @@ pub struct Model {
     /// Young's modulus of the bulkhead \[Pa\]; infinite for the rigid one.
     pub youngs_modulus: f64,
     /// Its run.
-    pub done: Done,
+    pub done: FinishedRun,
 }

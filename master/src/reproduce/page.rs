@@ -1,7 +1,7 @@
 //! The section of the cabins: tables, charts, fields and an animation.
 
 use super::cabin::{self, PERIOD, TABLE};
-use super::{Done, Model, balance};
+use super::{FinishedRun, Model, balance};
 use crate::record::Status;
 use crate::report::html::{self, Failure};
 use crate::report::{Chart, Curve, FieldFigure, Fields, Quantity, movie};
@@ -112,7 +112,7 @@ fn trends(models: &[Model]) -> Markup {
     html::table(&["trend", "found", "ours, models I to IV"], &rows)
 }
 
-fn curve(label: String, done: &Done, variable: &str, factor: f64) -> Option<Curve> {
+fn curve(label: String, done: &FinishedRun, variable: &str, factor: f64) -> Option<Curve> {
     let column = done.series.column(variable)?;
     let points = done.series.points(column).map(|(time, value)| (time, factor * value)).collect();
     Some(Curve { label, points, markers: false })
@@ -134,7 +134,7 @@ fn histories(models: &[Model]) -> Vec<Chart> {
 }
 
 /// A history that is computed from the recorded ones.
-fn history(models: &[Model], title: &str, axis: &str, of: impl Fn(&Done) -> Vec<(f64, f64)>) -> Chart {
+fn history(models: &[Model], title: &str, axis: &str, of: impl Fn(&FinishedRun) -> Vec<(f64, f64)>) -> Chart {
     let curve =
         |model: &Model| Curve { label: format!("model {}", model.name), points: of(&model.done), markers: false };
     Chart {
@@ -170,7 +170,7 @@ fn loads(models: &[Model]) -> Markup {
     html::table(&["model", "peak [N/m]", "at [s]", "impulse [N s/m]"], &rows)
 }
 
-fn above_the_start(done: &Done) -> Vec<(f64, f64)> {
+fn above_the_start(done: &FinishedRun) -> Vec<(f64, f64)> {
     let all = balance::energy(&done.series);
     let start = all.first().map_or(0.0, |it| it.1);
     all.into_iter().map(|(time, energy)| (time, energy - start)).collect()

@@ -1,6 +1,6 @@
 //! The section of the dam break on an elastic plate: the paper's figures 3 and 4.
 
-use super::Done;
+use super::FinishedRun;
 use crate::report::html::{self, Failure};
 use crate::report::{Band, Chart, Curve, FieldFigure, Fields, Quantity, movie};
 use maud::{Markup, html};
@@ -12,10 +12,10 @@ const MOMENTS: [f64; 4] = [0.16, 0.26, 0.36, 0.5];
 const TIP: &str = "structure.deflection.tip";
 
 /// The section for runs at several spacings, coarsest first.
-pub fn section(runs: &[Done], band: Option<Band>, folder: &Path) -> Result<Markup, Failure> {
+pub fn section(runs: &[FinishedRun], band: Option<Band>, folder: &Path) -> Result<Markup, Failure> {
     let plots = folder.join("plots");
     std::fs::create_dir_all(&plots)?;
-    let row = |done: &Done| {
+    let row = |done: &FinishedRun| {
         let points = tip(done);
         let (time, peak) = points.iter().copied().fold((0.0, 0.0), |most, it| if it.1 > most.1 { it } else { most });
         let summary = &done.summary;
@@ -30,7 +30,7 @@ pub fn section(runs: &[Done], band: Option<Band>, folder: &Path) -> Result<Marku
             format!("{time:.3}"),
         ]
     };
-    let curve = |done: &Done| {
+    let curve = |done: &FinishedRun| {
         let spacing = done.summary.spacing.unwrap_or(f64::NAN);
         Curve { label: format!("{:.0} mm", 1e3 * spacing), points: tip(done), markers: false }
     };
@@ -55,13 +55,13 @@ pub fn section(runs: &[Done], band: Option<Band>, folder: &Path) -> Result<Marku
     })
 }
 
-fn tip(done: &Done) -> Vec<(f64, f64)> {
+fn tip(done: &FinishedRun) -> Vec<(f64, f64)> {
     let column = done.series.column(TIP);
     column.map_or_else(Vec::new, |it| done.series.points(it).map(|(time, value)| (time, 1e3 * value)).collect())
 }
 
 /// The water at some moments, and for the coarsest run in motion.
-fn shapes(done: &Done, plots: &Path, index: usize) -> Result<Vec<Markup>, Failure> {
+fn shapes(done: &FinishedRun, plots: &Path, index: usize) -> Result<Vec<Markup>, Failure> {
     let fields = Fields::open(&done.folder.join("frames"))?;
     let times = fields.times();
     let Some(&last) = times.last() else { return Ok(Vec::new()) };

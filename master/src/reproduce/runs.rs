@@ -1,7 +1,8 @@
 //! The runs themselves, and the reports made of them.
 
 use super::{
-    CabinArguments, Common, Done, Model, PaperArguments, Reproduce, StudyArguments, cabin, notes, page, plate, study,
+    CabinArguments, Common, FinishedRun, Model, PaperArguments, Reproduce, StudyArguments, cabin, notes, page, plate,
+    study,
 };
 use crate::command::run::{RunArguments, execute};
 use crate::record::{Recipe, Series, Status, Summary};
@@ -86,7 +87,7 @@ fn stiffness(arguments: &StudyArguments, interrupted: &AtomicBool) -> Result<(Pa
     Ok((html::write(&folder, &text)?, complete))
 }
 
-fn complete(done: &Done) -> bool {
+fn complete(done: &FinishedRun) -> bool {
     done.summary.status == Status::Complete
 }
 
@@ -120,7 +121,7 @@ fn once(
     out: PathBuf,
     common: &Common,
     interrupted: &AtomicBool,
-) -> Result<Option<Done>, Failure> {
+) -> Result<Option<FinishedRun>, Failure> {
     if common.keep
         && Recipe::read(&out)?.is_some_and(|recipe| recipe.is_whole())
         && let Ok(done) = load(&out)
@@ -145,13 +146,13 @@ fn once(
     if let Some(error) = &summary.error {
         tell!("error: {}: {error}", folder.display());
     }
-    Ok(Some(Done { folder, summary, series: outcome.series }))
+    Ok(Some(FinishedRun { folder, summary, series: outcome.series }))
 }
 
-fn load(folder: &Path) -> Result<Done, Failure> {
+fn load(folder: &Path) -> Result<FinishedRun, Failure> {
     let summary = Summary::read(&folder.join("summary.json"))?;
     let series = Series::read(&folder.join("results.csv"))?;
-    Ok(Done { folder: folder.to_path_buf(), summary, series })
+    Ok(FinishedRun { folder: folder.to_path_buf(), summary, series })
 }
 
 /// What is read of the published band: names as in the file.

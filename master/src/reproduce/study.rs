@@ -1,6 +1,6 @@
 //! Beyond the paper: load of the bulkhead against its stiffness, its thickness and the opening, with error bars.
 
-use super::Done;
+use super::FinishedRun;
 use super::cabin;
 use super::hull::{Opening, Side, walls};
 use crate::report::html::{self, Failure};
@@ -98,7 +98,7 @@ pub fn statistics(values: &[f64]) -> Option<(f64, f64)> {
 }
 
 /// Takes a figure from a run; none where it was not recorded.
-type Measure = fn(&Done) -> Option<f64>;
+type Measure = fn(&FinishedRun) -> Option<f64>;
 
 /// What is measured of a run, by name.
 const FIGURES: [(&str, Measure); 5] = [
@@ -115,10 +115,10 @@ const FIGURES: [(&str, Measure); 5] = [
 ];
 
 /// The page's text: a table and charts of every part.
-pub fn section(points: &[(Point, Vec<Done>)]) -> Result<Markup, Failure> {
+pub fn section(points: &[(Point, Vec<FinishedRun>)]) -> Result<Markup, Failure> {
     let mut parts = Vec::new();
     for part in Part::ALL {
-        let own: Vec<&(Point, Vec<Done>)> = points.iter().filter(|(point, _)| point.part == part).collect();
+        let own: Vec<&(Point, Vec<FinishedRun>)> = points.iter().filter(|(point, _)| point.part == part).collect();
         if !own.is_empty() {
             parts.push(part_section(part, &own)?);
         }
@@ -132,11 +132,11 @@ pub fn section(points: &[(Point, Vec<Done>)]) -> Result<Markup, Failure> {
     })
 }
 
-fn part_section(part: Part, points: &[&(Point, Vec<Done>)]) -> Result<Markup, Failure> {
-    let measured = |runs: &[Done], of: Measure| {
+fn part_section(part: Part, points: &[&(Point, Vec<FinishedRun>)]) -> Result<Markup, Failure> {
+    let measured = |runs: &[FinishedRun], of: Measure| {
         statistics(&runs.iter().filter(|done| done.summary.error.is_none()).filter_map(of).collect::<Vec<_>>())
     };
-    let row = |(point, runs): &&(Point, Vec<Done>)| {
+    let row = |(point, runs): &&(Point, Vec<FinishedRun>)| {
         let cell = |of: Measure| match measured(runs, of) {
             Some((mean, deviation)) => format!("{mean:.3} \u{b1} {deviation:.3}"),
             None => "-".to_string(),
@@ -153,7 +153,7 @@ fn part_section(part: Part, points: &[&(Point, Vec<Done>)]) -> Result<Markup, Fa
     for (name, of) in &FIGURES[..3] {
         let abscissa = |value: f64| if part == Part::Modulus { value.log10() } else { value };
         let curve = |sign: f64, label: &str| {
-            let at = |(point, runs): &&(Point, Vec<Done>)| {
+            let at = |(point, runs): &&(Point, Vec<FinishedRun>)| {
                 measured(runs, *of).map(|(mean, deviation)| (abscissa(point.value), mean + sign * deviation))
             };
             Curve { label: label.to_string(), points: points.iter().filter_map(at).collect(), markers: false }

@@ -43,7 +43,7 @@ fn key(part: &Fluid, instrument: Instrument) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::machinery;
+    use super::super::runtime;
     use scene::Scene;
 
     const TANK: &str = "title = 'tank'\n[run]\nend = 1.0\ncommunication_step = 0.01\n[fluid]\nspacing = 0.02\n\
@@ -52,7 +52,7 @@ mod tests {
 
     fn judged(instruments: &str) -> Result<Vec<String>, String> {
         let scene = Scene::from_str(&format!("{TANK}{instruments}\n"), "tank.toml").unwrap();
-        machinery::solver(&scene, 0).map(|set_up| set_up.warnings).map_err(|error| error.to_string())
+        runtime::solver(&scene, 0).map(|set_up| set_up.warnings).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -99,7 +99,7 @@ mod tests {
         let block = block.replace("[[0,0],[0.4,0],[0.4,0.4],[0,0.4]]", water);
         let set_up = |point: &str| {
             let text = format!("{block}probe = [{{ name = 'p', point = {point} }}]\n");
-            machinery::solver(&Scene::from_str(&text, "tank.toml").unwrap(), 0).map_err(|error| error.to_string())
+            runtime::solver(&Scene::from_str(&text, "tank.toml").unwrap(), 0).map_err(|error| error.to_string())
         };
         // Nearer to the floor than to any side of the block, and 11 mm above its bottom.
         let message = set_up("[0.15, 0.001]").err().unwrap();

@@ -1,6 +1,6 @@
 //! Whether a state read from bytes can be one that a structure saved.
 
-use super::{LastStep, Machinery, Progress, State};
+use super::{LastStep, Progress, Runtime, State};
 use crate::interface::{COORDINATES, finite};
 use fmi2::Failure;
 use structure::{AddedMass, Solver};
@@ -35,11 +35,11 @@ impl State {
 
 impl Progress {
     /// What the scene says about sizes and locked coordinates.
-    pub(super) fn check(&self, machinery: &Machinery) -> Result<(), Failure> {
+    pub(super) fn check(&self, runtime: &Runtime) -> Result<(), Failure> {
         finite("start", &[self.start])?;
-        sound(&machinery.solver, "the state", &self.state)?;
+        sound(&runtime.solver, "the state", &self.state)?;
         let Some(LastStep { before, load, added, duration }) = &self.last else { return Ok(()) };
-        sound(&machinery.solver, "the state before the last step", before)?;
+        sound(&runtime.solver, "the state before the last step", before)?;
         let size = self.state.motion.position.len();
         length("the load of the last step", load.len(), size)?;
         finite("load of the last step", load)?;

@@ -24,9 +24,9 @@ pub struct Cell {
     /// Integral of the outward normal over the free surface \[m\].
     pub outward: Vector2<f64>,
     /// Weight of the particle's pressure in the force that the free surface puts on the cell \[m\].
-    pub lift: Vector2<f64>,
+    pub free_surface_gradient: Vector2<f64>,
     /// Whether its facets might not be those of its neighbours: beside walls and where corners may lie in empty space.
-    pub odd: bool,
+    pub asymmetric: bool,
 }
 
 impl Cell {

@@ -1,13 +1,13 @@
 //! The cells of all particles.
 
 use super::cell::Cell;
-use super::cut::{self, Cuttings, GRID};
 use super::facet::Facet;
 use super::polygon::{self, Corner, Plane};
 use super::shape::{Around, FAR, Shape, wall_of};
+use super::tessellate::{self, CellBuffers, GRID};
 use crate::grid::Grid;
 use crate::parallel::{self, CHUNK, Lists};
-use crate::walls::{Attachment, FIXED, Walls};
+use crate::walls::{FIXED, WallProximity, Walls};
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ pub struct WallFacet {
     pub fraction: f64,
     /// Whether it only closes a cell where another one sees less of their facet: it moves with the particle and loads
     /// nothing.
-    pub filler: bool,
+    pub is_closure: bool,
 }
 
 /// The cells of all particles at one instant.
@@ -39,14 +39,14 @@ pub struct Cells {
     pub walls: Lists<WallFacet>,
     /// One cell per particle.
     pub cells: Vec<Cell>,
-    sure: Lists<Facet>,
-    loose: Lists<Facet>,
-    loose_walls: Lists<WallFacet>,
-    odd: Vec<bool>,
-    mended: Vec<bool>,
+    interior: Lists<Facet>,
+    boundary: Lists<Facet>,
+    boundary_walls: Lists<WallFacet>,
+    asymmetric: Vec<bool>,
+    reconciled: Vec<bool>,
     corners: Lists<Corner>,
     planes: Lists<WallPlane>,
-    room: Vec<f64>,
+    relative_area: Vec<f64>,
 }
 
 /// The plane of a wall that cuts a cell.
@@ -64,9 +64,9 @@ pub struct Setup<'a> {
     /// Positions \[m\].
     pub positions: &'a [Vector2<f64>],
     /// Areas that particles own \[m2\].
-    pub volumes: &'a [f64],
+    pub areas: &'a [f64],
     /// Walls near particles.
-    pub attachments: &'a Lists<Attachment>,
+    pub proximities: &'a Lists<WallProximity>,
     /// Walls.
     pub walls: &'a Walls,
     /// Particle spacing \[m\].
@@ -80,7 +80,7 @@ impl Cells {
     }
 
     /// Whether a particle touches no other: it flies freely, and walls stop it as they stop a point.
-    pub fn is_lone(&self, i: usize) -> bool {
+    pub fn is_isolated(&self, i: usize) -> bool {
         self.facets.of(i).is_empty()
     }
 
@@ -93,10 +93,10 @@ impl Cells {
     pub fn build(&mut self, setup: &Setup) {
         let count = setup.positions.len();
         self.grid.build(setup.positions, GRID * setup.spacing);
-        self.room.resize(count, 0.0);
+        self.relative_area.resize(count, 0.0);
         self.cells.resize(count, Cell::default());
-        let Self { grid, sure, corners, planes, room, cells, .. } = &mut *self;
-        cut::cut(setup, grid, Cuttings { facets: sure, corners, planes, room, cells });
+        let Self { grid, interior, corners, planes, relative_area, cells, .. } = &mut *self;
+        tessellate::tessellate(setup, grid, CellBuffers { facets: interior, corners, planes, relative_area, cells });
         self.bound_cells(setup);
         self.agree(setup);
         self.close_surfaces();
@@ -105,10 +105,10 @@ impl Cells {
     /// Facets and cells from the outlines that walls or empty space may touch.
     fn bound_cells(&mut self, setup: &Setup) {
         let count = setup.positions.len();
-        let (outlines, planes, room) = (&self.corners, &self.planes, &self.room);
-        let fullness = |i: usize, label: u32| match label {
-            polygon::BOX => room[i],
-            label if (label as usize) < count => room[label as usize],
+        let (outlines, planes, relative_area) = (&self.corners, &self.planes, &self.relative_area);
+        let area_of = |i: usize, label: u32| match label {
+            polygon::BOX => relative_area[i],
+            label if (label as usize) < count => relative_area[label as usize],
             _ => 0.0,
         };
         let bound = |i: usize, facets: &mut Vec<Facet>, walls: &mut Vec<WallFacet>, cell: &mut Cell| {
@@ -118,17 +118,18 @@ impl Cells {
                 None if (label as usize) < count => plane_to(setup, i, label),
                 None => Plane { normal: Vector2::zeros(), distance: 0.0 },
             };
-            let room_of = |label: u32| fullness(i, label);
-            let around = Around { planes: &plane_of, fullness: &room_of, spacing: setup.spacing };
+            let area_of = |label: u32| area_of(i, label);
+            let around = Around { planes: &plane_of, relative_area: &area_of, spacing: setup.spacing };
             let shape = Shape::new(outlines.of(i), around);
             let add = |facet: Facet| match wall_of(facet.neighbour, own.len()) {
                 Some(k) => walls.push(place_on_wall(setup, i, facet, own[k].segment)),
                 None => facets.push(facet),
             };
-            *cell = shape.cell(setup.volumes[i], add);
-            cell.odd = shape.is_odd(own.len());
+            *cell = shape.cell(setup.areas[i], add);
+            cell.asymmetric = shape.is_asymmetric(own.len());
         };
-        let lists = (self.loose.writers(count), self.loose_walls.writers(count), self.cells.par_chunks_mut(CHUNK));
+        let lists =
+            (self.boundary.writers(count), self.boundary_walls.writers(count), self.cells.par_chunks_mut(CHUNK));
         lists.into_par_iter().enumerate().for_each(|(chunk, (mut facets, mut walls, cells))| {
             for (k, cell) in cells.iter_mut().enumerate() {
                 let i = chunk * CHUNK + k;
@@ -145,39 +146,44 @@ impl Cells {
     /// Facets that cross the free surface end there, at the mean depth of the two cells.
     fn end_at_surfaces(&mut self, spacing: f64) {
         let cells = &self.cells;
-        self.loose.change(|i, facet| {
+        self.boundary.change(|i, facet| {
             if facet.meets_surface() {
                 facet.end_at(0.5 * (cells[i].depth + cells[facet.neighbour as usize].depth), spacing);
             }
         });
-        self.odd.resize(cells.len(), false);
-        parallel::fill(&mut self.odd, |i| cells[i].odd);
+        self.asymmetric.resize(cells.len(), false);
+        parallel::fill(&mut self.asymmetric, |i| cells[i].asymmetric);
     }
 
     /// Brings the facets together, and lets two cells have the same facet between them where a wall cuts them
     /// differently, or rounding decided whether a corner lies in empty space: the matrix is symmetric, and what one
-    /// cell gives the other takes. Chunks of particles whose facets are all sure are taken as they are.
+    /// cell gives the other takes. Chunks of particles whose facets are all interior ones are taken as they are.
     fn agree(&mut self, setup: &Setup) {
         let count = setup.positions.len();
-        self.mended.resize(count.div_ceil(CHUNK), false);
-        let seen = Seen { sure: &self.sure, loose: &self.loose, corners: &self.corners, odd: &self.odd };
-        let (loose_walls, cells) = (&self.loose_walls, &self.cells);
-        let lists = (self.facets.writers(count), self.walls.writers(count), &mut self.mended);
-        lists.into_par_iter().enumerate().for_each(|(chunk, (mut facets, mut walls, mended))| {
+        self.reconciled.resize(count.div_ceil(CHUNK), false);
+        let seen = Seen {
+            interior: &self.interior,
+            boundary: &self.boundary,
+            corners: &self.corners,
+            asymmetric: &self.asymmetric,
+        };
+        let (boundary_walls, cells) = (&self.boundary_walls, &self.cells);
+        let lists = (self.facets.writers(count), self.walls.writers(count), &mut self.reconciled);
+        lists.into_par_iter().enumerate().for_each(|(chunk, (mut facets, mut walls, reconciled))| {
             let members = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
-            *mended = members.clone().any(|i| seen.is_loose(i) || seen.touches_odd(i));
+            *reconciled = members.clone().any(|i| seen.is_boundary(i) || seen.touches_asymmetric(i));
             for i in members {
-                if *mended {
-                    walls.items.extend_from_slice(loose_walls.of(i));
-                    let fillers = (!cells[i].is_open()).then_some(&mut *walls.items);
-                    seen.agree(i, SLACK * setup.spacing, facets.items, fillers);
+                if *reconciled {
+                    walls.items.extend_from_slice(boundary_walls.of(i));
+                    let closures = (!cells[i].is_open()).then_some(&mut *walls.items);
+                    seen.agree(i, SLACK * setup.spacing, facets.items, closures);
                 }
                 facets.end();
                 walls.end();
             }
         });
-        let mended = &self.mended;
-        self.facets.swap_chunks(&mut self.sure, |chunk| !mended[chunk]);
+        let reconciled = &self.reconciled;
+        self.facets.swap_chunks(&mut self.interior, |chunk| !reconciled[chunk]);
     }
 
     /// What the free surfaces of cells add up to, from the facets that bound the rest.
@@ -198,7 +204,7 @@ impl Cells {
             cell.surface = cell.surface.max(SHORTEST * cell.outward.norm());
             let rest = Matrix2::identity() * cell.filled - moment;
             let exact = rest * cell.outward / (cell.surface * cell.depth);
-            cell.lift = cell.outward + (exact - cell.outward) * cell.flatness();
+            cell.free_surface_gradient = cell.outward + (exact - cell.outward) * cell.flatness();
         });
     }
 }
@@ -210,44 +216,44 @@ const SHORTEST: f64 = 0.95;
 
 /// Facets as each cell sees them.
 struct Seen<'a> {
-    sure: &'a Lists<Facet>,
-    loose: &'a Lists<Facet>,
+    interior: &'a Lists<Facet>,
+    boundary: &'a Lists<Facet>,
     corners: &'a Lists<Corner>,
-    odd: &'a [bool],
+    asymmetric: &'a [bool],
 }
 
 impl Seen<'_> {
-    fn is_loose(&self, i: usize) -> bool {
+    fn is_boundary(&self, i: usize) -> bool {
         !self.corners.of(i).is_empty()
     }
 
     fn of(&self, i: usize) -> &[Facet] {
-        if self.is_loose(i) { self.loose.of(i) } else { self.sure.of(i) }
+        if self.is_boundary(i) { self.boundary.of(i) } else { self.interior.of(i) }
     }
 
-    fn touches_odd(&self, i: usize) -> bool {
-        self.sure.of(i).iter().any(|facet| self.odd[facet.neighbour as usize])
+    fn touches_asymmetric(&self, i: usize) -> bool {
+        self.interior.of(i).iter().any(|facet| self.asymmetric[facet.neighbour as usize])
     }
 
-    /// The facets of cell i that its neighbours see too. What only it sees becomes a piece of wall among the `fillers`,
+    /// The facets of cell i that its neighbours see too. What only it sees becomes a piece of wall among the `closures`,
     /// so that cells stay closed; an open cell counts it to its free surface.
-    fn agree(&self, i: usize, slack: f64, out: &mut Vec<Facet>, mut fillers: Option<&mut Vec<WallFacet>>) {
+    fn agree(&self, i: usize, slack: f64, out: &mut Vec<Facet>, mut closures: Option<&mut Vec<WallFacet>>) {
         for facet in self.of(i) {
             let j = facet.neighbour as usize;
-            if !(self.odd[i] || self.odd[j]) {
+            if !(self.asymmetric[i] || self.asymmetric[j]) {
                 out.push(*facet);
                 continue;
             }
             let begin = out.len();
             let of_pair = self.of(j).iter().filter(|other| other.neighbour as usize == i);
             out.extend(of_pair.filter_map(|other| facet.common(other)));
-            let Some(fillers) = &mut fillers else { continue };
+            let Some(closures) = &mut closures else { continue };
             out[begin..].sort_by(|a, b| a.from.total_cmp(&b.from));
             let mut from = facet.from;
             for (to, next) in out[begin..].iter().map(|part| (part.from, part.to)).chain([(facet.to, facet.to)]) {
                 if to - from > slack {
                     let rest = facet.part([from, to]);
-                    fillers.push(WallFacet { facet: rest, panel: FIXED, fraction: 0.0, filler: true });
+                    closures.push(WallFacet { facet: rest, panel: FIXED, fraction: 0.0, is_closure: true });
                 }
                 from = next;
             }
@@ -272,5 +278,5 @@ fn place_on_wall(setup: &Setup, i: usize, facet: Facet, segment: u32) -> WallFac
     let segment = &setup.walls.segments[segment as usize];
     let place = setup.positions[i] + facet.middle();
     let fraction = (segment.local(&place).1 / segment.length).clamp(0.0, 1.0);
-    WallFacet { facet, panel: segment.panel, fraction, filler: false }
+    WallFacet { facet, panel: segment.panel, fraction, is_closure: false }
 }

@@ -24,7 +24,7 @@ pub fn area_rate(cells: &Cells, i: usize, velocities: &[Vector2<f64>]) -> f64 {
 /// Sum of the pressure differences over the facets of cell i and its free surface, G p without walls \[N/m\].
 pub fn pressure_difference(cells: &Cells, i: usize, pressures: &[f64]) -> Vector2<f64> {
     let own = pressures[i];
-    let mut sum = -cells.cells[i].lift * own;
+    let mut sum = -cells.cells[i].free_surface_gradient * own;
     for facet in cells.facets.of(i) {
         sum += facet.middle() * (facet.weight() * (pressures[facet.neighbour as usize] - own));
     }

@@ -4,7 +4,7 @@ use super::cells::{Cells, Setup};
 use super::facet::turn;
 use crate::parallel::Lists;
 use crate::parameters::Parameters;
-use crate::prepare::Setting;
+use crate::problem::Problem;
 use crate::state::State;
 use crate::walls::{FIXED, Walls};
 use nalgebra::Vector2;
@@ -19,23 +19,25 @@ pub struct Outline<'a> {
 }
 
 impl<'a> Outline<'a> {
-    /// Takes the cells of `state` as they are, or builds them between `walls`.
-    pub fn new(setting: &'a Setting, state: &'a State, walls: &Walls, known: Option<&'a Cells>) -> Self {
-        if let Some(cells) = known {
-            let cells = Cow::Borrowed(cells);
-            return Self { state, parameters: &setting.parameters, spacing: setting.spacing, cells };
-        }
-        let mut attachments = Lists::default();
-        attachments.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
+    /// Of a state with its cells.
+    pub fn of(problem: &'a Problem, state: &'a State, cells: &'a Cells) -> Self {
+        let cells = Cow::Borrowed(cells);
+        Self { state, parameters: &problem.parameters, spacing: problem.spacing, cells }
+    }
+
+    /// Of a state whose cells are cut out between `walls`.
+    pub fn new(problem: &'a Problem, state: &'a State, walls: &Walls) -> Self {
+        let mut proximities = Lists::default();
+        proximities.build(state.positions.len(), |i, out| walls.attach(&state.positions[i], out));
         let mut cells = Cells::default();
         cells.build(&Setup {
             positions: &state.positions,
-            volumes: &state.volumes,
-            attachments: &attachments,
+            areas: &state.areas,
+            proximities: &proximities,
             walls,
-            spacing: setting.spacing,
+            spacing: problem.spacing,
         });
-        Self { state, parameters: &setting.parameters, spacing: setting.spacing, cells: Cow::Owned(cells) }
+        Self { state, parameters: &problem.parameters, spacing: problem.spacing, cells: Cow::Owned(cells) }
     }
 
     /// Area of all cells \[m2\].
@@ -118,7 +120,7 @@ impl<'a> Outline<'a> {
     pub fn fixed_wall_force(&self) -> Vector2<f64> {
         let mut force = Vector2::zeros();
         for (i, position) in self.state.positions.iter().enumerate() {
-            for wall in self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.filler) {
+            for wall in self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.is_closure) {
                 let facet = &wall.facet;
                 let slope =
                     self.parameters.density * self.parameters.body_force(position, self.state.time).dot(&facet.normal);

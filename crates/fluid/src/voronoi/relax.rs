@@ -1,10 +1,10 @@
 //! Particles that conform to the outline of the water: Lloyd's iteration inside the polygons.
 
 use super::cells::{Cells, Setup};
-use crate::fill::{area, contains, signed_area};
-use crate::outline::outline;
 use crate::parallel::Lists;
 use crate::parameters::Geometry;
+use crate::setup::fill::{area, contains, signed_area};
+use crate::setup::outline::outline;
 use crate::walls::{WallLayout, Walls};
 use nalgebra::Vector2;
 
@@ -21,18 +21,18 @@ fn is_box(polygon: &[Vector2<f64>]) -> bool {
 /// Moves the particles of every polygon that is no box to the centroids of their cells within it, and returns the area
 /// that each particle owns \[m2\]. `counts` are the numbers of particles of the polygons, in order.
 pub fn relax(positions: &mut [Vector2<f64>], counts: &[usize], water: &[Vec<Vector2<f64>>], spacing: f64) -> Vec<f64> {
-    let mut volumes = Vec::with_capacity(positions.len());
+    let mut areas = Vec::with_capacity(positions.len());
     let mut rest = positions;
     for (polygon, &count) in water.iter().zip(counts) {
         let (own, others) = rest.split_at_mut(count);
         rest = others;
         if is_box(polygon) {
-            volumes.extend(std::iter::repeat_n(area(polygon) / count as f64, count));
+            areas.extend(std::iter::repeat_n(area(polygon) / count as f64, count));
         } else {
-            volumes.extend(settle(own, polygon, spacing));
+            areas.extend(settle(own, polygon, spacing));
         }
     }
-    volumes
+    areas
 }
 
 fn settle(positions: &mut [Vector2<f64>], polygon: &[Vector2<f64>], spacing: f64) -> Vec<f64> {
@@ -43,12 +43,12 @@ fn settle(positions: &mut [Vector2<f64>], polygon: &[Vector2<f64>], spacing: f64
     let geometry = Geometry { fixed_walls: outline(&corners, spacing), ..Geometry::default() };
     let mut walls = Walls::default();
     walls.place(&WallLayout::new(&geometry, spacing), None, 2.0 * Cells::reach(spacing), spacing);
-    let volumes = vec![area(polygon) / positions.len() as f64; positions.len()];
-    let mut attachments = Lists::default();
+    let areas = vec![area(polygon) / positions.len() as f64; positions.len()];
+    let mut proximities = Lists::default();
     let mut cells = Cells::default();
     for iteration in 0..=ITERATIONS {
-        attachments.build(positions.len(), |i, out| walls.attach(&positions[i], out));
-        let setup = Setup { positions, volumes: &volumes, attachments: &attachments, walls: &walls, spacing };
+        proximities.build(positions.len(), |i, out| walls.attach(&positions[i], out));
+        let setup = Setup { positions, areas: &areas, proximities: &proximities, walls: &walls, spacing };
         cells.build(&setup);
         if iteration == ITERATIONS {
             break;

@@ -13,15 +13,15 @@
 
 use super::cell::Cell;
 use super::facet::{Facet, held, turn};
-use super::notch::MOST;
 use super::polygon::{BOX, Corner, Plane, Ring, WALL};
+use super::wall_clip::MOST;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
 /// Distance in spacings up to which no corner lies in empty space. A rectangular lattice stretched 2:1 just closes.
 pub const OPEN: f64 = 1.1;
 /// Share of `OPEN` up to which rounding does not decide whether a corner lies in empty space.
-pub const SURE: f64 = 0.99;
+pub const INTERIOR: f64 = 0.99;
 /// Distance in spacings from which on every corner does. Nearer corners are seen alike by all cells that share them,
 /// since particles are looked for up to twice this distance.
 pub const FAR: f64 = 1.4;
@@ -79,7 +79,7 @@ pub struct Around<'a> {
     /// Planes of its edges.
     pub planes: &'a dyn Fn(u32) -> Plane,
     /// Area of the cell behind a label over its own; of the cell itself for the label `BOX`; 0 for a wall.
-    pub fullness: &'a dyn Fn(u32) -> f64,
+    pub relative_area: &'a dyn Fn(u32) -> f64,
     /// Particle spacing \[m\].
     pub spacing: f64,
 }
@@ -129,8 +129,8 @@ impl<'a> Shape<'a> {
     }
 
     /// Whether the other cells might see other facets than this one.
-    pub fn is_odd(&self, walls: usize) -> bool {
-        let limit = (SURE * OPEN * self.around.spacing).powi(2);
+    pub fn is_asymmetric(&self, walls: usize) -> bool {
+        let limit = (INTERIOR * OPEN * self.around.spacing).powi(2);
         walls > 0 || self.corners.iter().any(|corner| corner.place.norm_squared() > limit)
     }
 
@@ -146,11 +146,11 @@ impl<'a> Shape<'a> {
         if before == BOX || after == BOX {
             return 1.0;
         }
-        let fullness = self.around.fullness;
-        let (mut sum, mut cells) = (fullness(BOX), 1.0);
-        for room in [fullness(before), fullness(after)] {
-            if room > 0.0 {
-                (sum, cells) = (sum + room, cells + 1.0);
+        let relative_area = self.around.relative_area;
+        let (mut sum, mut cells) = (relative_area(BOX), 1.0);
+        for area in [relative_area(before), relative_area(after)] {
+            if area > 0.0 {
+                (sum, cells) = (sum + area, cells + 1.0);
             }
         }
         let begin = FAR - BAND - (FAR - BAND - OPEN) * smooth_step(sum / cells, ROOMY);

@@ -13,14 +13,15 @@
 //! work off: in steady flow the rest is in proportion to dt, and its share in the pressure is rest / dt. A step of another
 //! length would find another rest; the difference is carried over, within the rest itself, and not asked for at once.
 
-use super::added_mass::Responses;
 use super::cells::Cells;
 use super::operators;
-use super::prepare::Prepared;
+use super::system::PressureSystem;
+use super::unit_pressures::UnitPressures;
 use crate::parallel;
-use crate::parameters::AccurateParameters;
-use crate::prepare::{Pace, Setting};
+use crate::parameters::VoronoiParameters;
+use crate::problem::Problem;
 use crate::state::{AreaRate, State};
+use crate::time_step::TimeStep;
 use crate::walls::FIXED;
 use nalgebra::{DVector, Matrix2, Vector2};
 
@@ -42,22 +43,22 @@ pub struct Asked {
     carried: f64,
 }
 
-impl Prepared {
+impl PressureSystem {
     /// What every area asks for.
-    pub(super) fn ask(&mut self, accurate: &AccurateParameters, state: &State, pace: Pace) {
-        let time_step = pace.time_step;
-        let share = accurate.alpha * (time_step / pace.ordinary_step).min(1.0);
+    pub(super) fn ask(&mut self, voronoi: &VoronoiParameters, state: &State, step: TimeStep) {
+        let time_step = step.length;
+        let share = voronoi.alpha * (time_step / step.ordinary).min(1.0);
         let mut asked = std::mem::take(&mut self.asked);
         asked.resize(self.positions.len(), Asked::default());
-        let prepared = &*self;
+        let system = &*self;
         parallel::fill(&mut asked, |i| {
-            if prepared.cells.is_lone(i) {
+            if system.cells.is_isolated(i) {
                 return Asked::default();
             }
-            let volume = state.volumes[i];
-            let excess = prepared.cells.cells[i].area - volume;
+            let volume = state.areas[i];
+            let excess = system.cells.cells[i].area - volume;
             let excess = excess.clamp(-LARGEST_EXCESS * volume, LARGEST_EXCESS * volume);
-            let Asked { rate, carried } = prepared.second_order(i, state, time_step);
+            let Asked { rate, carried } = system.second_order(i, state, time_step);
             Asked { rate: rate - share * excess / time_step, carried }
         });
         self.asked = asked;
@@ -66,7 +67,7 @@ impl Prepared {
     /// Minus the second-order change of the area over the step, and the rest that is carried over a change of its length.
     fn second_order(&self, i: usize, state: &State, time_step: f64) -> Asked {
         let gradient = &self.gradients[i];
-        let second = self.cells.cells[i].trust() * state.volumes[i] * gradient.determinant();
+        let second = self.cells.cells[i].trust() * state.areas[i] * gradient.determinant();
         let last_step = state.time_step;
         if last_step == 0.0 {
             return Asked { rate: -second * time_step, carried: 0.0 };
@@ -74,7 +75,7 @@ impl Prepared {
         let AreaRate { left, asked, due } = state.area_rates[i];
         let both = time_step + last_step;
         let now = self.area_rate(i, &self.before, gradient, &self.rates);
-        let scale = state.volumes[i] * gradient.norm_squared();
+        let scale = state.areas[i] * gradient.norm_squared();
         let measured = (now - left) / both;
         let change = second + MEASURED * (measured - second).clamp(-scale, scale);
         // Never more than the rest itself: what is carried ends with it, and does not outlive a splash.
@@ -87,11 +88,11 @@ impl Prepared {
     /// Rate of the area of cell i with the given velocities, the gradient of the velocity there, and rates of the body.
     fn area_rate(&self, i: usize, velocities: &[Vector2<f64>], gradient: &Matrix2<f64>, rates: &DVector<f64>) -> f64 {
         let cells = &self.cells;
-        let fixed = cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.filler);
+        let fixed = cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.is_closure);
         let fixed = fixed.map(|wall| velocities[i].dot(&wall.facet.normal) * wall.facet.length());
-        let moving = self.responses.of(i).map(|(moving, work)| {
+        let moving = self.unit_pressures.of(i).map(|(moving, work)| {
             let facet = &moving.wall.facet;
-            facet.length() * (velocities[i].dot(&facet.normal) - Responses::normal_rate(work, rates))
+            facet.length() * (velocities[i].dot(&facet.normal) - UnitPressures::normal_rate(work, rates))
         });
         operators::area_rate(cells, i, velocities) + surface_rate(cells, i, gradient)
             - fixed.sum::<f64>()
@@ -102,7 +103,7 @@ impl Prepared {
     pub fn record_rates(&self, out: &mut [AreaRate], velocities: &[Vector2<f64>], rates: &DVector<f64>) {
         let (cells, positions) = (&self.cells, &self.positions);
         parallel::fill(out, |i| {
-            if cells.is_lone(i) {
+            if cells.is_isolated(i) {
                 return AreaRate::default();
             }
             let open = cells.cells[i].is_open();
@@ -116,25 +117,25 @@ impl Prepared {
 
     /// Right side of A p = b, from the demand that the rates of areas are what is asked for:
     /// D u* - asked = dt / rho (-A p).
-    pub(super) fn build_source(&mut self, setting: &Setting, time_step: f64) {
-        let density = setting.parameters.density;
+    pub(super) fn build_source(&mut self, problem: &Problem, time_step: f64) {
+        let density = problem.parameters.density;
         let (cells, velocities, gradients) = (&self.cells, &self.velocities, &self.gradients);
-        let (forces, rates, responses, asked) = (&self.forces, &self.rates, &self.responses, &self.asked);
+        let (forces, rates, unit_pressures, asked) = (&self.forces, &self.rates, &self.unit_pressures, &self.asked);
         self.source.resize(self.positions.len(), 0.0);
         parallel::fill(&mut self.source, |i| {
-            if cells.is_lone(i) {
+            if cells.is_isolated(i) {
                 return 0.0;
             }
             let rate = operators::area_rate(cells, i, velocities) + surface_rate(cells, i, &gradients[i]);
             let mut value = -density * (rate - asked[i].rate + asked[i].carried) / time_step;
-            // What the wall must do beyond the body force: fillers move with the water, fixed walls stop it.
+            // What the wall must do beyond the body force: closures move with the water, fixed walls stop it.
             for wall in cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
                 let normal = wall.facet.normal * (density * wall.facet.length());
-                value += if wall.filler { forces[i].dot(&normal) } else { velocities[i].dot(&normal) / time_step };
+                value += if wall.is_closure { forces[i].dot(&normal) } else { velocities[i].dot(&normal) / time_step };
             }
-            for (moving, work) in responses.of(i) {
+            for (moving, work) in unit_pressures.of(i) {
                 let facet = &moving.wall.facet;
-                let closing = velocities[i].dot(&facet.normal) - Responses::normal_rate(work, rates);
+                let closing = velocities[i].dot(&facet.normal) - UnitPressures::normal_rate(work, rates);
                 value += density * facet.length() * closing / time_step;
             }
             value

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use fluid::{AccurateParameters, Geometry, PaperParameters, Parameters, Scheme, SolveParameters};
+use fluid::{Geometry, MpsParameters, Parameters, Scheme, SolveParameters, VoronoiParameters};
 use kinematics::{Beam, BeamModes, Body, Support};
 use nalgebra::Vector2;
 
@@ -15,13 +15,13 @@ pub fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Vector2<f64>> {
 }
 
 /// The scheme of the paper with its defaults.
-pub fn paper() -> Scheme {
-    Scheme::Paper(PaperParameters::default())
+pub fn mps() -> Scheme {
+    Scheme::Mps(MpsParameters::default())
 }
 
-/// The accurate scheme with its defaults.
-pub fn accurate() -> Scheme {
-    Scheme::Accurate(AccurateParameters::default())
+/// The scheme `voronoi` with its defaults.
+pub fn voronoi() -> Scheme {
+    Scheme::Voronoi(VoronoiParameters::default())
 }
 
 pub fn parameters(scheme: Scheme, spacing: f64, tolerance: f64, threads: usize) -> Parameters {

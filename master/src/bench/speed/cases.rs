@@ -73,7 +73,7 @@ pub const FEATURES: [Feature; 5] = [
         name: "smoothing of velocities",
         scene: "dam_break_peers",
         with: &[("fluid.spacing", "0.002")],
-        without: &[("fluid.spacing", "0.002"), ("fluid.accurate.smoothing", "0.0")],
+        without: &[("fluid.spacing", "0.002"), ("fluid.voronoi.smoothing", "0.0")],
     },
     Feature {
         name: "shifting",
@@ -81,9 +81,9 @@ pub const FEATURES: [Feature; 5] = [
         with: &[("fluid.spacing", "0.002")],
         without: &[
             ("fluid.spacing", "0.002"),
-            ("fluid.accurate.shifting", "0.0"),
-            ("fluid.accurate.repulsion", "0.0"),
-            ("fluid.accurate.spreading", "0.0"),
+            ("fluid.voronoi.shifting", "0.0"),
+            ("fluid.voronoi.repulsion", "0.0"),
+            ("fluid.voronoi.spreading", "0.0"),
         ],
     },
     Feature {

@@ -1,7 +1,7 @@
 //! Areas of cells, places of free surfaces, and the filling of polygons.
 
 use super::{Arrangement, Noise, ORDERS, Order, largest, points, square};
-use crate::fill;
+use crate::setup::fill;
 use crate::voronoi::facet::turn;
 use crate::voronoi::relax::relax;
 use nalgebra::Vector2;
@@ -21,7 +21,7 @@ fn open_cells_hold_what_their_particles_own() {
         let water = Arrangement::open(order, 24);
         let open = || (0..water.positions.len()).filter(|&i| water.cells.cells[i].is_open());
         assert!(open().count() >= 24, "{order:?}: {} cells at the surface", open().count());
-        let worst = largest(open().map(|i| water.cells.cells[i].area / water.volumes[i] - 1.0));
+        let worst = largest(open().map(|i| water.cells.cells[i].area / water.own_areas[i] - 1.0));
         assert!(worst < 1e-12, "{order:?}: an area differs by {worst} of itself");
         let total: f64 = water.areas().iter().sum();
         assert!((total - 1.0).abs() < 1e-12, "{order:?}: areas add up to {total}");
@@ -39,8 +39,8 @@ fn a_level_surface_stands_at_the_height_of_its_volume() {
         let positions = square(across);
         let owned =
             |place: &Vector2<f64>| spacing * if place.y > 1.0 - spacing { 0.5 * spacing + depth } else { spacing };
-        let volumes = positions.iter().map(owned).collect();
-        let water = Arrangement::new(positions, Some(volumes), std::slice::from_ref(&tank), spacing);
+        let own_areas = positions.iter().map(owned).collect();
+        let water = Arrangement::new(positions, Some(own_areas), std::slice::from_ref(&tank), spacing);
         for (i, cell) in water.cells.cells.iter().enumerate() {
             let top = water.positions[i].y > 1.0 - spacing;
             assert_eq!(cell.is_open(), top, "particle at {:?}", water.positions[i]);
@@ -129,8 +129,8 @@ fn a_disc_is_filled_evenly_and_exactly() {
         let disc: Vec<_> = (0..400).map(|k| Vector2::new(angle(k).cos(), angle(k).sin())).collect();
         let mut filling = fill::fill(std::slice::from_ref(&disc), spacing).unwrap();
         let effective = filling.effective_spacing;
-        let volumes = relax(&mut filling.positions, &filling.counts, std::slice::from_ref(&disc), effective);
-        let total: f64 = volumes.iter().sum();
+        let own_areas = relax(&mut filling.positions, &filling.counts, std::slice::from_ref(&disc), effective);
+        let total: f64 = own_areas.iter().sum();
         assert!((total / fill::area(&disc) - 1.0).abs() < 1e-12, "areas add up to {total}");
         let mut nearest = f64::MAX;
         for (k, a) in filling.positions.iter().enumerate() {
@@ -138,7 +138,7 @@ fn a_disc_is_filled_evenly_and_exactly() {
             nearest = filling.positions[..k].iter().map(|b| (a - b).norm() / effective).fold(nearest, f64::min);
         }
         assert!(nearest > 0.8, "two particles are {nearest} spacings apart");
-        let uneven = largest(volumes.iter().map(|volume| volume / effective.powi(2) - 1.0));
+        let uneven = largest(own_areas.iter().map(|volume| volume / effective.powi(2) - 1.0));
         assert!(uneven < 0.2, "a particle owns {uneven} more or less than the mean");
     }
 }

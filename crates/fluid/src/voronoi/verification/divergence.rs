@@ -75,7 +75,8 @@ fn gradient_and_rate_are_adjoint() {
             let work: f64 = (0..count).map(|i| pressures[i] * rate(&water, i, &velocities)).sum();
             let force = |i: usize| {
                 let cell = &water.cells.cells[i];
-                pressure_difference(&water.cells, i, &pressures) + (cell.lift - cell.outward) * pressures[i]
+                pressure_difference(&water.cells, i, &pressures)
+                    + (cell.free_surface_gradient - cell.outward) * pressures[i]
             };
             let other: f64 = (0..count).map(|i| velocities[i].dot(&force(i))).sum();
             let scale: f64 = (0..count).map(|i| velocities[i].dot(&force(i)).abs()).sum();

@@ -47,25 +47,25 @@ pub const ORDERS: [Order; 4] = [Order::Square, Order::Hexagonal, Order::Jittered
 /// Particles between walls, with their cells.
 pub struct Arrangement {
     pub positions: Vec<Vector2<f64>>,
-    pub volumes: Vec<f64>,
+    pub areas: Vec<f64>,
     pub spacing: f64,
     pub walls: Walls,
     pub cells: Cells,
 }
 
 impl Arrangement {
-    /// Particles that own `volumes`, or squares of the spacing where none are given, between fixed walls.
+    /// Particles that own `own_areas`, or squares of the spacing where none are given, between fixed walls.
     pub fn new(
         positions: Vec<Vector2<f64>>,
-        volumes: Option<Vec<f64>>,
+        areas: Option<Vec<f64>>,
         lines: &[Vec<Vector2<f64>>],
         spacing: f64,
     ) -> Self {
         let geometry = Geometry { fixed_walls: lines.to_vec(), ..Geometry::default() };
         let mut walls = Walls::default();
         walls.place(&WallLayout::new(&geometry, spacing), None, 2.0 * Cells::reach(spacing), spacing);
-        let volumes = volumes.unwrap_or_else(|| vec![spacing * spacing; positions.len()]);
-        let mut arrangement = Self { positions, volumes, spacing, walls, cells: Cells::default() };
+        let own_areas = own_areas.unwrap_or_else(|| vec![spacing * spacing; positions.len()]);
+        let mut arrangement = Self { positions, own_areas, spacing, walls, cells: Cells::default() };
         arrangement.rebuild();
         arrangement
     }
@@ -101,19 +101,19 @@ impl Arrangement {
 
     /// The same particles, owning their cells, in the unit box without its lid.
     pub fn without_lid(self) -> Self {
-        let volumes = self.cells.cells.iter().map(|cell| cell.area).collect();
+        let own_areas = self.cells.cells.iter().map(|cell| cell.area).collect();
         let tank = points(&[(0.0, 1.5), (0.0, 0.0), (1.0, 0.0), (1.0, 1.5)]);
-        Self::new(self.positions, Some(volumes), &[tank], self.spacing)
+        Self::new(self.positions, Some(own_areas), &[tank], self.spacing)
     }
 
     /// Finds the cells of the particles where they stand now.
     pub fn rebuild(&mut self) {
-        let mut attachments = Lists::default();
-        attachments.build(self.positions.len(), |i, out| self.walls.attach(&self.positions[i], out));
+        let mut proximities = Lists::default();
+        proximities.build(self.positions.len(), |i, out| self.walls.attach(&self.positions[i], out));
         self.cells.build(&Setup {
             positions: &self.positions,
-            volumes: &self.volumes,
-            attachments: &attachments,
+            areas: &self.own_areas,
+            proximities: &proximities,
             walls: &self.walls,
             spacing: self.spacing,
         });

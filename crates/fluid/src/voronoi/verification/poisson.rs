@@ -1,16 +1,15 @@
 //! The matrix of the pressure and the solution of a Poisson problem with walls and a free surface.
 
 use super::{Arrangement, Noise, ORDERS, Order, orders, points, square};
-use crate::matrix::Matrix;
-use crate::multigrid::Multigrid;
-use crate::parameters::SolveParameters;
-use crate::pressure::ConjugateGradient;
+use crate::linear::{ConjugateGradient, Matrix, Multigrid, SolveParameters};
+use crate::voronoi::closed_components::ClosedComponents;
+use crate::voronoi::system::fill_matrix;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
 fn assembled(water: &Arrangement) -> Matrix {
     let mut matrix = Matrix::default();
-    matrix.assemble_cells(&water.cells, &water.volumes);
+    fill_matrix(&mut matrix, &water.cells, &water.own_areas, &mut ClosedComponents::default());
     matrix
 }
 
@@ -71,7 +70,7 @@ fn error(order: Order, across: usize) -> f64 {
     let water = Arrangement::open(order, across);
     let matrix = assembled(&water);
     let right: Vec<f64> = (0..matrix.size())
-        .map(|i| water.volumes[i] * 1.25 * PI * PI * exact(&(water.positions[i] + water.cells.cells[i].centroid)))
+        .map(|i| water.own_areas[i] * 1.25 * PI * PI * exact(&(water.positions[i] + water.cells.cells[i].centroid)))
         .collect();
     let mut multigrid = Multigrid::default();
     multigrid.set_up(&matrix, &water.positions, water.spacing, water.spacing * water.spacing);

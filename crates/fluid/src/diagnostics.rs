@@ -1,0 +1,137 @@
+//! Quantities that people look at, from a state.
+
+use crate::grid::Grid;
+use crate::parameters::{Probe, Region};
+use crate::pressure_field::PressureField;
+use crate::problem::Problem;
+use crate::setup::fill::contains;
+use crate::state::State;
+use crate::voronoi::outline::Outline;
+use nalgebra::Vector2;
+
+/// Quantities of one state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observables {
+    /// Pressures at the probes \[Pa\].
+    pub probes: Vec<f64>,
+    /// Water in each region \[kg/m\].
+    pub region_masses: Vec<f64>,
+    /// Force of the water on the fixed walls \[N/m\].
+    pub wall_force: Vector2<f64>,
+    /// Largest x that water reaches, half a spacing beyond the outermost particle that has company \[m\].
+    pub front: f64,
+    /// Kinetic energy \[J/m\].
+    pub kinetic_energy: f64,
+    /// Potential energy in gravity above y = 0, and in the attraction \[J/m\].
+    pub potential_energy: f64,
+    /// Momentum \[kg/s\].
+    pub momentum: Vector2<f64>,
+    /// Centre of mass \[m\].
+    pub centre: Vector2<f64>,
+    /// Angular momentum about the origin \[kg m/s\].
+    pub angular_momentum: f64,
+    /// Lowest and highest x and y that water reaches \[m\].
+    pub extent: [Vector2<f64>; 2],
+    /// Largest distance of water from the origin \[m\].
+    pub farthest: f64,
+    /// Water level at each gauge \[m\]; minus infinity is never given: the lowest y of all water where there is none.
+    pub levels: Vec<f64>,
+    /// Area of the water \[m2\].
+    pub area: f64,
+    /// Largest speed \[m/s\].
+    pub maximum_speed: f64,
+    /// Particles.
+    pub particles: usize,
+    /// Particles lost so far.
+    pub lost: usize,
+}
+
+/// Distance in spacings within which a probe stands on a wall.
+const ON_WALL: f64 = 0.25;
+
+/// Computes the quantities of `state`, those of its outline from that: the front is its farthest point, the force on the
+/// walls that on its cells.
+pub fn observe(problem: &Problem, state: &State, outline: &Outline) -> Observables {
+    let walls = problem.walls(&state.motion.position);
+    let mut grid = Grid::default();
+    if !problem.geometry.probes.is_empty() {
+        grid.build(&state.positions, problem.reach);
+    }
+    let field = PressureField::of(problem, state, &grid, &walls);
+    let (extent, farthest) = outline.extent();
+    let Sums { kinetic_energy, potential_energy, momentum, centre, angular_momentum } = sums(problem, state);
+    Observables {
+        probes: problem.geometry.probes.iter().map(|probe| read(problem, state, &field, probe)).collect(),
+        region_masses: problem.geometry.regions.iter().map(|region| weigh(problem, state, region)).collect(),
+        wall_force: outline.fixed_wall_force(),
+        front: extent[1].x,
+        kinetic_energy,
+        potential_energy,
+        momentum,
+        centre,
+        angular_momentum,
+        levels: problem.geometry.gauges.iter().map(|&x| outline.level(x, extent[0].y)).collect(),
+        area: outline.area(),
+        extent,
+        farthest,
+        maximum_speed: state.velocities.iter().map(|velocity| velocity.norm()).fold(0.0, f64::max),
+        particles: state.positions.len(),
+        lost: state.lost,
+    }
+}
+
+/// Sums over all particles, as in [`Observables`].
+struct Sums {
+    kinetic_energy: f64,
+    potential_energy: f64,
+    momentum: Vector2<f64>,
+    centre: Vector2<f64>,
+    angular_momentum: f64,
+}
+
+fn sums(problem: &Problem, state: &State) -> Sums {
+    let parameters = &problem.parameters;
+    let (places, velocities) = (&state.positions, &state.velocities);
+    let all = 0..places.len();
+    let mass = |i: usize| parameters.density * state.areas[i];
+    let total: f64 = parameters.density * state.areas.iter().sum::<f64>();
+    let moment: Vector2<f64> = all.clone().map(|i| places[i] * mass(i)).sum();
+    let squared: f64 = all.clone().map(|i| places[i].norm_squared() * mass(i)).sum();
+    Sums {
+        kinetic_energy: 0.5 * all.clone().map(|i| velocities[i].norm_squared() * mass(i)).sum::<f64>(),
+        potential_energy: 0.5 * parameters.attraction * squared - parameters.gravity.dot(&moment),
+        momentum: all.clone().map(|i| velocities[i] * mass(i)).sum(),
+        centre: if total > 0.0 { moment / total } else { moment },
+        angular_momentum: all.map(|i| places[i].perp(&velocities[i]) * mass(i)).sum(),
+    }
+}
+
+/// Where a place of the scene's pose is now.
+fn stands(problem: &Problem, state: &State, place: &Vector2<f64>, on_body: bool) -> Vector2<f64> {
+    match &problem.geometry.body {
+        Some(body) if on_body => body.carry(place, &state.motion.position),
+        _ => *place,
+    }
+}
+
+/// Pressure at a probe \[Pa\].
+fn read(problem: &Problem, state: &State, field: &PressureField, probe: &Probe) -> f64 {
+    let place = stands(problem, state, &probe.place, probe.on_body);
+    // A place on a wall is there only up to rounding, on the body up to its deflection.
+    let front = field.walls.in_front(&place, ON_WALL * problem.spacing);
+    let pressure = field.at_point(&front);
+    // Where there is no water there is no slope either.
+    if front == place || pressure == 0.0 {
+        return pressure;
+    }
+    let slope = problem.parameters.body_force(&place, field.time) * problem.parameters.density;
+    pressure + slope.dot(&(place - front))
+}
+
+/// Water in a region \[kg/m\].
+fn weigh(problem: &Problem, state: &State, region: &Region) -> f64 {
+    let polygon: Vec<_> = region.polygon.iter().map(|corner| stands(problem, state, corner, region.on_body)).collect();
+    let inside = (0..state.positions.len()).filter(|&i| contains(&polygon, &state.positions[i]));
+    // The sum of nothing is -0.
+    0.0 + inside.map(|i| problem.parameters.density * state.areas[i]).sum::<f64>()
+}

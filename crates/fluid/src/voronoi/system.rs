@@ -1,0 +1,331 @@
+//! What an internal step needs that depends on the state alone.
+
+use super::cells::{Cells, Setup};
+use super::closed_components::ClosedComponents;
+use super::source::Asked;
+use super::unit_pressures::{MovingFacet, UnitPressures};
+use super::{correct, operators};
+use crate::linear::{Entry, Matrix, Multigrid};
+use crate::motion::extrapolate;
+use crate::parallel::{self, Lists};
+use crate::parameters::VoronoiParameters;
+use crate::problem::Problem;
+use crate::report::{StageTimes, Watch};
+use crate::state::State;
+use crate::time_step::TimeStep;
+use crate::walls::PanelMotion;
+use crate::walls::stop::{self, Contact};
+use crate::walls::{FIXED, WallProximity, Walls};
+use kinematics::Motion;
+use nalgebra::{DVector, Matrix2, Vector2};
+
+/// Everything prepared for one internal step.
+#[derive(Debug, Clone)]
+pub struct PressureSystem {
+    key: Option<(u64, u64)>,
+    partial: Vec<u64>,
+    /// Time in the middle of the step \[s\].
+    pub time: f64,
+    /// Extrapolated motion of the body in the middle of the step, where its walls stand during it, as the particles do: the
+    /// load on the walls is then that of the middle of the step over which it is held. A load of the start would feed
+    /// every oscillation of frequency w with a negative damping of w^2 dt / 4.
+    pub middle: Motion,
+    /// Walls at those coordinates.
+    pub walls: Walls,
+    walls_placed: bool,
+    panels: PanelMotion,
+    /// Particles stopped at walls on the way to the middle of the step.
+    pub contacts: usize,
+    /// Positions in the middle of the step \[m\].
+    pub positions: Vec<Vector2<f64>>,
+    /// Velocities at the start of the step, of particles that the walls let pass \[m/s\].
+    pub before: Vec<Vector2<f64>>,
+    /// Rates of the body's coordinates at the start of the step.
+    pub rates: DVector<f64>,
+    /// Mean accelerations of the body's coordinates over the step.
+    pub accelerations: DVector<f64>,
+    /// Walls near each particle.
+    pub proximities: Lists<WallProximity>,
+    /// Cells in the middle of the step.
+    pub cells: Cells,
+    /// Body force of each particle \[m/s2\].
+    pub forces: Vec<Vector2<f64>>,
+    /// Predicted velocities u* \[m/s\].
+    pub velocities: Vec<Vector2<f64>>,
+    smoothed: Vec<Vector2<f64>>,
+    /// Gradients of the predicted velocity \[1/s\].
+    pub gradients: Vec<Matrix2<f64>>,
+    /// What the areas of cells ask for in this step.
+    pub(super) asked: Vec<Asked>,
+    /// Right side without the accelerations of moving walls \[Pa\].
+    pub source: Vec<f64>,
+    /// Matrix of the pressure.
+    pub matrix: Matrix,
+    /// Preconditioner.
+    pub multigrid: Multigrid,
+    components: ClosedComponents,
+    /// Whether some of the components touch no free surface.
+    closed: bool,
+    /// Facets on moving walls, and what the water answers to their acceleration.
+    pub unit_pressures: UnitPressures,
+    /// Pressure with the body accelerating as at the end of the last step \[Pa\].
+    pub base: Vec<f64>,
+}
+
+impl Default for PressureSystem {
+    fn default() -> Self {
+        Self {
+            key: None,
+            partial: Vec::new(),
+            time: 0.0,
+            middle: Motion::at_rest(0),
+            walls: Walls::default(),
+            walls_placed: false,
+            panels: PanelMotion::default(),
+            contacts: 0,
+            positions: Vec::new(),
+            before: Vec::new(),
+            rates: DVector::zeros(0),
+            accelerations: DVector::zeros(0),
+            proximities: Lists::default(),
+            cells: Cells::default(),
+            forces: Vec::new(),
+            velocities: Vec::new(),
+            smoothed: Vec::new(),
+            gradients: Vec::new(),
+            asked: Vec::new(),
+            source: Vec::new(),
+            matrix: Matrix::default(),
+            multigrid: Multigrid::default(),
+            components: ClosedComponents::default(),
+            closed: false,
+            unit_pressures: UnitPressures::default(),
+            base: Vec::new(),
+        }
+    }
+}
+
+impl PressureSystem {
+    /// Prepares the step from `state`; returns false when the workspace held it already.
+    pub fn update(
+        &mut self,
+        problem: &Problem,
+        voronoi: &VoronoiParameters,
+        state: &State,
+        step: TimeStep,
+        stages: &mut StageTimes,
+    ) -> bool {
+        let mut watch = Watch::start();
+        let fingerprint = state.fingerprint(&mut self.partial);
+        let key = Some((fingerprint, step.length.to_bits()));
+        if self.key == key {
+            return false;
+        }
+        self.key = None;
+        self.find_geometry(problem, state, step);
+        watch.lap(&mut stages.neighbours);
+        self.assemble(problem, voronoi, state, step);
+        self.key = key;
+        watch.lap(&mut stages.assembly);
+        true
+    }
+
+    /// Particles, walls, cells and facets on moving walls in the middle of the step.
+    fn find_geometry(&mut self, problem: &Problem, state: &State, step: TimeStep) {
+        let half = 0.5 * step.length;
+        self.time = state.time + half;
+        extrapolate(&state.motion, half, &mut self.middle);
+        kinematics::copy(&state.motion.velocity, &mut self.rates);
+        self.drift(problem, state, half);
+        self.build_cells(problem, state);
+        if let Some(body) = &problem.geometry.body {
+            self.unit_pressures.collect(&self.cells, &problem.layout, body, &self.middle.position);
+        }
+    }
+
+    /// The same, whatever is there already.
+    pub fn make_cells(&mut self, problem: &Problem, state: &State, step: TimeStep) {
+        self.key = None;
+        self.find_geometry(problem, state, step);
+    }
+
+    /// Predicted velocities, right side, matrix and preconditioner.
+    pub fn assemble(&mut self, problem: &Problem, voronoi: &VoronoiParameters, state: &State, step: TimeStep) {
+        self.predict(problem, step.length);
+        self.smooth(voronoi, step.length);
+        self.ask(voronoi, state, step);
+        self.build_source(problem, step.length);
+        self.closed = fill_matrix(&mut self.matrix, &self.cells, &state.areas, &mut self.components);
+        self.multigrid.set_up(&self.matrix, &self.positions, problem.spacing, problem.spacing * problem.spacing);
+    }
+
+    /// Components of the water, where there is some that touches no free surface.
+    pub fn compartments(&self) -> Option<&ClosedComponents> {
+        self.closed.then_some(&self.components)
+    }
+
+    /// The right side with the accelerations of the walls as set.
+    pub fn fill_right_side(&self, problem: &Problem, out: &mut Vec<f64>) {
+        out.resize(self.matrix.size(), 0.0);
+        parallel::fill(out, |i| self.source[i] + self.wall_source(problem, i));
+    }
+
+    /// Brings the particles to the middle of the step, in front of the walls as they stand there.
+    fn drift(&mut self, problem: &Problem, state: &State, half: f64) {
+        self.place_walls(problem);
+        self.positions.clone_from(&state.positions);
+        self.before.clone_from(&state.velocities);
+        correct::drift(&mut self.positions, &self.before, half);
+        self.attach();
+        if let Some(body) = &problem.geometry.body {
+            self.panels.set_start(&problem.layout.panels, body, &self.middle);
+        }
+        let panels = &self.panels;
+        let moved = (&mut self.positions[..], &mut self.before[..]);
+        let contact = Contact::inelastic(problem.spacing);
+        self.contacts = stop::stop_at_walls(moved, &self.proximities, &self.walls, &contact, |panel, fraction| {
+            panels.velocity(panel, fraction)
+        });
+        if self.contacts > 0 {
+            self.attach();
+        }
+    }
+
+    fn attach(&mut self) {
+        let (walls, positions) = (&self.walls, &self.positions);
+        self.proximities.build(positions.len(), |i, out| walls.attach(&positions[i], out));
+    }
+
+    fn build_cells(&mut self, problem: &Problem, state: &State) {
+        self.cells.build(&Setup {
+            positions: &self.positions,
+            areas: &state.areas,
+            proximities: &self.proximities,
+            walls: &self.walls,
+            spacing: problem.spacing,
+        });
+    }
+
+    /// Cells of a state, for looking at them; what was prepared for a step is lost.
+    pub fn cells_of(&mut self, problem: &Problem, state: &State) -> &Cells {
+        self.key = None;
+        self.middle.clone_from(&state.motion);
+        self.place_walls(problem);
+        self.positions.clone_from(&state.positions);
+        self.attach();
+        self.build_cells(problem, state);
+        &self.cells
+    }
+
+    /// Walls with the body as in the middle of the step.
+    fn place_walls(&mut self, problem: &Problem) {
+        let body = problem.geometry.body.as_ref();
+        if body.is_some() || !self.walls_placed {
+            let at = body.map(|body| (body, &self.middle.position));
+            self.walls.place(&problem.layout, at, 2.0 * Cells::reach(problem.spacing), problem.spacing);
+            self.walls_placed = true;
+        }
+    }
+
+    /// u* = u + f dt, and its gradient.
+    fn predict(&mut self, problem: &Problem, time_step: f64) {
+        let count = self.positions.len();
+        self.forces.resize(count, Vector2::zeros());
+        self.velocities.resize(count, Vector2::zeros());
+        self.gradients.resize(count, Matrix2::zeros());
+        let (positions, before) = (&self.positions, &self.before);
+        parallel::fill(&mut self.forces, |i| problem.parameters.body_force(&positions[i], self.time));
+        let forces = &self.forces;
+        parallel::fill(&mut self.velocities, |i| before[i] + forces[i] * time_step);
+        let (cells, velocities) = (&self.cells, &self.velocities);
+        parallel::fill(&mut self.gradients, |i| {
+            let gradient = operators::velocity_gradient(cells, i, positions, velocities);
+            gradient * (STEEPEST / (gradient.norm() * time_step).max(STEEPEST))
+        });
+    }
+
+    /// Takes out of u* what its neighbours' linear fields do not explain: noise of the wave length of a cell. A linear
+    /// field stays as it is, a potential flow nearly, and the momentum exactly.
+    fn smooth(&mut self, voronoi: &VoronoiParameters, time_step: f64) {
+        if voronoi.smoothing == 0.0 {
+            return;
+        }
+        let (cells, velocities, gradients, positions) =
+            (&self.cells, &self.velocities, &self.gradients, &self.positions);
+        let strength = 0.25 * voronoi.smoothing * time_step;
+        let mut smoothed = std::mem::take(&mut self.smoothed);
+        smoothed.resize(velocities.len(), Vector2::zeros());
+        parallel::fill(&mut smoothed, |i| {
+            let mut change = Vector2::zeros();
+            for facet in cells.facets.of(i) {
+                let j = facet.neighbour as usize;
+                let mean = (gradients[i] + gradients[j]) * 0.5;
+                let away = positions[j] - positions[i];
+                let unexplained = velocities[j] - velocities[i] - mean * away;
+                let rate = (strength * mean.norm()).min(0.05);
+                change += unexplained * (facet.weight().min(2.0) * rate);
+            }
+            velocities[i] + change
+        });
+        std::mem::swap(&mut self.velocities, &mut smoothed);
+        self.smoothed = smoothed;
+    }
+
+    /// Sum over the wall facets of cell i of their pressure slope times length and arm: what walls add to G p \[N/m\].
+    pub fn wall_difference(&self, problem: &Problem, i: usize) -> Vector2<f64> {
+        if self.cells.is_isolated(i) {
+            return Vector2::zeros();
+        }
+        let force = self.forces[i] * problem.parameters.density;
+        let fixed = self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED);
+        let fixed = fixed.map(|wall| wall.facet.middle() * (wall.facet.length() * force.dot(&wall.facet.normal)));
+        let moving = self.unit_pressures.of(i).map(|(moving, work)| {
+            let facet = &moving.wall.facet;
+            facet.middle() * (facet.length() * self.wall_slope(problem, moving, work))
+        });
+        fixed.sum::<Vector2<f64>>() + moving.sum::<Vector2<f64>>()
+    }
+
+    /// Normal pressure gradient on a moving facet \[Pa/m\], with the wall's mean acceleration over the step.
+    pub fn wall_slope(&self, problem: &Problem, moving: &MovingFacet, work: &[f64]) -> f64 {
+        let acceleration = UnitPressures::normal_rate(work, &self.accelerations);
+        let force = self.forces[moving.particle as usize].dot(&moving.wall.facet.normal);
+        problem.parameters.density * (force - acceleration)
+    }
+
+    /// The part of the right side that the accelerations of walls add for particle i \[Pa\].
+    pub fn wall_source(&self, problem: &Problem, i: usize) -> f64 {
+        let of = |(moving, work): (&MovingFacet, &[f64])| {
+            let acceleration = UnitPressures::normal_rate(work, &self.accelerations);
+            -problem.parameters.density * moving.wall.facet.length() * acceleration
+        };
+        self.unit_pressures.of(i).map(of).sum()
+    }
+}
+
+/// The matrix of the pressure, in which every particle is an unknown and free surfaces are row sums; whether some
+/// components of the water touch no free surface.
+pub(super) fn fill_matrix(
+    matrix: &mut Matrix,
+    cells: &Cells,
+    areas: &[f64],
+    components: &mut ClosedComponents,
+) -> bool {
+    let count = cells.cells.len();
+    matrix.set_rows(count, |i, out| {
+        let facets = cells.facets.of(i).iter();
+        out.extend(facets.map(|facet| Entry { column: facet.neighbour, weight: facet.weight() as f32 }));
+    });
+    matrix.row_sums.resize(count, 0.0);
+    parallel::fill(&mut matrix.row_sums, |i| {
+        let cell = &cells.cells[i];
+        if cell.is_open() { cell.surface / cell.depth } else { 0.0 }
+    });
+    let closed = components.settle(cells, areas, &mut matrix.row_sums);
+    matrix.close(closed);
+    closed
+}
+
+/// Largest norm of a velocity gradient times the step. The Courant number keeps flows below; a pair of particles that
+/// nearly touch in a splash exceeds it many times, and would throw them out.
+const STEEPEST: f64 = 0.3;
