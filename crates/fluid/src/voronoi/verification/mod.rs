@@ -47,7 +47,7 @@ pub const ORDERS: [Order; 4] = [Order::Square, Order::Hexagonal, Order::Jittered
 /// Particles between walls, with their cells.
 pub struct Arrangement {
     pub positions: Vec<Vector2<f64>>,
-    pub areas: Vec<f64>,
+    pub own_areas: Vec<f64>,
     pub spacing: f64,
     pub walls: Walls,
     pub cells: Cells,
@@ -57,7 +57,7 @@ impl Arrangement {
     /// Particles that own `own_areas`, or squares of the spacing where none are given, between fixed walls.
     pub fn new(
         positions: Vec<Vector2<f64>>,
-        areas: Option<Vec<f64>>,
+        own_areas: Option<Vec<f64>>,
         lines: &[Vec<Vector2<f64>>],
         spacing: f64,
     ) -> Self {
