@@ -163,13 +163,10 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         shaking,
         spacing: part.spacing,
         scheme: match part.scheme {
-            scene::Scheme::Voronoi => fluid::Scheme::Voronoi(voronoi(&part.voronoi)),
-            scene::Scheme::Mps => fluid::Scheme::Mps(mps(&part.mps)),
+            scene::Scheme::Voronoi => fluid::Scheme::Voronoi(part.voronoi.clone()),
+            scene::Scheme::Mps => fluid::Scheme::Mps(part.mps.clone()),
         },
-        solve: fluid::SolveParameters {
-            tolerance: solve_tolerance(scene, part.solve.tolerance),
-            maximum_iterations: part.solve.maximum_iterations,
-        },
+        solve: part.solve.clone(),
         threads: part.threads,
     };
     Ok((parameters, geometry))
@@ -201,48 +198,6 @@ fn start(start: &scene::Start) -> fluid::AffineVelocity {
     fluid::AffineVelocity { constant: vector(start.velocity), gradient }
 }
 
-/// Share of the divergence of the velocity, as forces alone would make it in a step, that may be left: 1e-3 of it is
-/// enough with the scheme `mps` and 1e-5 with `voronoi`, whose other errors are smaller: 1e-4 shows in linear
-/// sloshing only. The loads on a body that answers to them must be as good as the coupling's tolerance.
-fn solve_tolerance(scene: &Scene, given: f64) -> f64 {
-    let moves = scene.structure.as_ref().is_some_and(|structure| !structure.free.is_empty()) || scene.modes() > 0;
-    match given {
-        tolerance if tolerance > 0.0 => tolerance,
-        _ if moves => 1e-8,
-        _ if scene.fluid.as_ref().is_some_and(|fluid| fluid.scheme == scene::Scheme::Voronoi) => 1e-5,
-        _ => 1e-3,
-    }
-}
-
-fn voronoi(voronoi: &scene::Voronoi) -> fluid::VoronoiParameters {
-    fluid::VoronoiParameters {
-        alpha: voronoi.alpha,
-        courant: voronoi.courant,
-        shifting: voronoi.shifting,
-        repulsion: voronoi.repulsion,
-        spreading: voronoi.spreading,
-        smoothing: voronoi.smoothing,
-        enclosed_pressure: voronoi.enclosed_pressure,
-    }
-}
-
-fn mps(mps: &scene::Mps) -> fluid::MpsParameters {
-    fluid::MpsParameters {
-        influence_radius: mps.influence_radius,
-        alpha: mps.alpha,
-        source: match mps.source {
-            scene::Source::Mixed => fluid::Source::Mixed,
-            scene::Source::Adaptive => fluid::Source::Adaptive,
-        },
-        courant: mps.courant,
-        shifting: mps.shifting,
-        tension: mps.tension,
-        collision_distance: mps.collision_distance,
-        restitution: mps.restitution,
-        surface_deviation: mps.surface_deviation,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -256,12 +211,6 @@ mod tests {
 
     fn scene(text: &str) -> Scene {
         Scene::from_str(text, "box.toml").unwrap()
-    }
-
-    #[test]
-    fn a_scene_without_scheme_parameters_gets_the_solvers_defaults() {
-        assert_eq!(voronoi(&scene::Voronoi::default()), fluid::VoronoiParameters::default());
-        assert_eq!(mps(&scene::Mps::default()), fluid::MpsParameters::default());
     }
 
     #[test]
@@ -279,12 +228,11 @@ mod tests {
 
     #[test]
     fn closed_walls_come_back_and_line_probes_are_points() {
-        let (parameters, geometry) = fluid(&scene(SCENE)).unwrap();
+        let (_, geometry) = fluid(&scene(SCENE)).unwrap();
         assert_eq!(geometry.fixed_walls[0].first(), geometry.fixed_walls[0].last());
         assert_eq!(geometry.fixed_walls[0].len(), 4);
         assert_eq!(geometry.probes.len(), 3);
         assert_eq!(geometry.body.unwrap().modes(), 3);
-        assert_eq!(parameters.solve.tolerance, 1e-8, "loads on a moving body need it");
     }
 
     #[test]
@@ -306,13 +254,9 @@ mod tests {
     }
 
     #[test]
-    fn free_flow_needs_less_and_a_given_tolerance_stays() {
+    fn water_alone_has_no_structure() {
         let text = &SCENE[..SCENE.find("[structure]").unwrap()];
-        assert_eq!(fluid(&scene(text)).unwrap().0.solve.tolerance, 1e-5);
-        let mps = text.replace("spacing = 0.01", "spacing = 0.01\nscheme = 'mps'");
-        assert_eq!(fluid(&scene(&mps)).unwrap().0.solve.tolerance, 1e-3);
-        let given = text.replace("spacing = 0.01", "spacing = 0.01\nsolve = { tolerance = 1e-5 }");
-        assert_eq!(fluid(&scene(&given)).unwrap().0.solve.tolerance, 1e-5);
+        assert_eq!(fluid(&scene(text)).unwrap().0.solve, fluid::SolveParameters::default());
         assert!(structure(&scene(text)).unwrap_err().to_string().contains("[structure]"));
         let tilted = SCENE.replace("title = 'box'", "title = 'box'\ngravity = [1.0, -9.81]");
         assert!(structure(&scene(&tilted)).unwrap_err().to_string().contains("[1, -9.81]"));

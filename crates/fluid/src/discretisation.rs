@@ -22,6 +22,9 @@ pub trait Discretisation: std::fmt::Debug + Send + Sync {
     /// Limits of its internal steps.
     fn stability(&self) -> Stability;
 
+    /// Residual of the pressure that is small beside its other errors, over the right side.
+    fn tolerance(&self) -> f64;
+
     /// Distance at which a particle may feel a wall, over the spacing.
     fn reach(&self) -> f64;
 

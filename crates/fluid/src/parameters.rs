@@ -2,10 +2,13 @@
 
 use crate::Error;
 use crate::linear::SolveParameters;
+use keys::keys;
 use kinematics::Body;
 use nalgebra::{Matrix2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Numbers and methods.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +44,7 @@ impl Default for Parameters {
             damping: Vec::new(),
             spacing: 0.01,
             scheme: Scheme::Voronoi(VoronoiParameters::default()),
-            solve: SolveParameters { tolerance: 1e-5, maximum_iterations: 500 },
+            solve: SolveParameters::default(),
             threads: 0,
         }
     }
@@ -111,86 +114,59 @@ pub enum Scheme {
 }
 
 /// Source term of the pressure Poisson equation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Source {
-    /// Fixed weight alpha (the paper's equation 5).
+    /// Divergence and density deviation mixed with a fixed weight `alpha` (the paper's equation 5).
     Mixed,
-    /// Weight from the density error itself (Sun et al. 2015).
+    /// Density deviation weighted with its own magnitude (Sun et al. 2015).
     Adaptive,
 }
 
-/// Parameters of the scheme `mps`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MpsParameters {
-    /// Effective radius r_e in spacings, 2.1 to 4.0; larger is smoother and slower.
-    pub influence_radius: f64,
-    /// Share of the density error removed per step, 0 to 1; larger holds the volume better and rings more.
-    pub alpha: f64,
-    /// Form of the source term.
-    pub source: Source,
-    /// Courant number u dt / l0, 0.01 to 0.5.
-    pub courant: f64,
-    /// Strength of particle shifting, 0 (off) to 0.5.
-    pub shifting: f64,
-    /// Whether negative pressures pull particles together. Without, they count as zero in the gradient, as usual for
-    /// this scheme: its one-sided gradient turns a pressure minimum into a repulsion of everything around it. Loads
-    /// always use the pressure as solved, since coupling relies on their being affine in the wall's acceleration.
-    pub tension: bool,
-    /// Distance in spacings below which approaching particles collide, 0 to 1.
-    pub collision_distance: f64,
-    /// Coefficient of restitution of a collision, 0 to 1.
-    pub restitution: f64,
-    /// Distance of the neighbours' centroid in spacings above which a particle lies on the surface if nothing stands on
-    /// the other side, 0 to 1.
-    pub surface_deviation: f64,
-}
-
-/// Parameters of the scheme `voronoi`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VoronoiParameters {
-    /// Share of the error of a cell's area removed per step, 0 to 1.
-    pub alpha: f64,
-    /// Courant number u dt / l0, 0.01 to 1.
-    pub courant: f64,
-    /// Strength of the shift of particles to the centroids of their cells, 0 (off) to 10.
-    pub shifting: f64,
-    /// Strength of the shift of particles away from others nearer than 0.9 spacings, 0 (off) to 100.
-    pub repulsion: f64,
-    /// Strength of the shift of particles towards neighbours whose cells have more room, 0 (off) to 200.
-    pub spreading: f64,
-    /// Strength of the smoothing of velocities that neighbours do not explain, 0 (off) to 10.
-    pub smoothing: f64,
-    /// Pressure at the highest point of water that touches no free surface \[Pa\], which nothing else determines.
-    pub enclosed_pressure: f64,
-}
-
-impl Default for VoronoiParameters {
-    fn default() -> Self {
-        Self {
-            alpha: 0.01,
-            courant: 0.4,
-            shifting: 1.0,
-            repulsion: 20.0,
-            spreading: 30.0,
-            smoothing: 1.0,
-            enclosed_pressure: 0.0,
-        }
+keys! {
+    /// Parameters of the scheme `mps`.
+    pub struct MpsParameters {
+        /// Effective radius r_e in spacings: larger is smoother and slower.
+        influence_radius: f64 = 3.1, in 2.1 to 4.0;
+        /// Share of the density error removed per step: larger holds the volume better and rings more.
+        alpha: f64 = 0.01, in 0.0 to 1.0;
+        /// Form of the source term.
+        source: Source = Source::Mixed;
+        /// Courant number u dt / l0.
+        courant: f64 = 0.2, in 0.01 to 0.5;
+        /// Strength of particle shifting; 0 switches it off.
+        shifting: f64 = 0.03, in 0.0 to 0.5;
+        /// Whether negative pressures pull particles together. Without, they count as zero in the gradient, as usual for
+        /// this scheme: its one-sided gradient turns a pressure minimum into a repulsion of everything around it. Loads
+        /// always use the pressure as solved, since coupling relies on their being affine in the wall's acceleration.
+        tension: bool = false;
+        /// Distance in spacings below which two approaching particles collide.
+        collision_distance: f64 = 0.85, in 0.0 to 1.0;
+        /// Coefficient of restitution of such a collision.
+        restitution: f64 = 0.2, in 0.0 to 1.0;
+        /// A particle whose neighbours' centroid is farther than this, in spacings, lies on the surface if nothing stands
+        /// on the other side.
+        surface_deviation: f64 = 0.2, in 0.0 to 1.0;
     }
 }
 
-impl Default for MpsParameters {
-    fn default() -> Self {
-        Self {
-            influence_radius: 3.1,
-            alpha: 0.01,
-            source: Source::Mixed,
-            courant: 0.2,
-            shifting: 0.03,
-            tension: false,
-            collision_distance: 0.85,
-            restitution: 0.2,
-            surface_deviation: 0.2,
-        }
+keys! {
+    /// Parameters of the scheme `voronoi`. No scene needs others than the defaults.
+    pub struct VoronoiParameters {
+        /// Share of the error of a cell's area removed per step: larger holds areas closer and is noisier.
+        alpha: f64 = 0.01, in 0.0 to 1.0;
+        /// Courant number u dt / l0.
+        courant: f64 = 0.4, in 0.01 to 1.0;
+        /// Strength of the shift of particles to the centroids of their cells; 0 switches it off.
+        shifting: f64 = 1.0, in 0.0 to 10.0;
+        /// Strength of the shift away from particles nearer than 0.9 spacings; 0 switches it off.
+        repulsion: f64 = 20.0, in 0.0 to 100.0;
+        /// Strength of the shift towards neighbours with more room; 0 switches it off.
+        spreading: f64 = 30.0, in 0.0 to 200.0;
+        /// Strength of the smoothing of velocities that neighbours do not explain; 0 switches it off.
+        smoothing: f64 = 1.0, in 0.0 to 10.0;
+        /// Pressure at the highest point of water that fills a closed tank \[Pa\]: nothing else determines it.
+        enclosed_pressure: f64 = 0.0, in -1e12 to 1e12;
     }
 }
 
@@ -326,31 +302,6 @@ impl Parameters {
         within("shaking.amplitude.y", self.shaking.amplitude.y, -1e6, 1e6)?;
         within("shaking.period", self.shaking.period, 1e-6, 1e9)?;
         self.damping.iter().try_for_each(DampingZone::validate)?;
-        within("solve.tolerance", self.solve.tolerance, 1e-15, 0.1)?;
-        within("solve.maximum_iterations", self.solve.maximum_iterations as f64, 1.0, 1e9)
-    }
-}
-
-impl VoronoiParameters {
-    pub(crate) fn validate(&self) -> Result<(), Error> {
-        within("alpha", self.alpha, 0.0, 1.0)?;
-        within("courant", self.courant, 0.01, 1.0)?;
-        within("shifting", self.shifting, 0.0, 10.0)?;
-        within("repulsion", self.repulsion, 0.0, 100.0)?;
-        within("spreading", self.spreading, 0.0, 200.0)?;
-        within("smoothing", self.smoothing, 0.0, 10.0)?;
-        within("enclosed_pressure", self.enclosed_pressure, -1e12, 1e12)
-    }
-}
-
-impl MpsParameters {
-    pub(crate) fn validate(&self) -> Result<(), Error> {
-        within("influence_radius", self.influence_radius, 2.1, 4.0)?;
-        within("alpha", self.alpha, 0.0, 1.0)?;
-        within("courant", self.courant, 0.01, 0.5)?;
-        within("shifting", self.shifting, 0.0, 0.5)?;
-        within("collision_distance", self.collision_distance, 0.0, 1.0)?;
-        within("restitution", self.restitution, 0.0, 1.0)?;
-        within("surface_deviation", self.surface_deviation, 0.0, 1.0)
+        Ok(self.solve.check()?)
     }
 }

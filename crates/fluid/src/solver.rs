@@ -54,13 +54,17 @@ fn discretisation(scheme: &Scheme, cell: Vector2<f64>) -> Result<Box<dyn Discret
 
 impl Solver {
     /// Makes a solver; refuses parameters out of range and impossible geometry.
-    pub fn new(parameters: Parameters, geometry: Geometry) -> Result<Self, Error> {
+    pub fn new(mut parameters: Parameters, geometry: Geometry) -> Result<Self, Error> {
         parameters.validate()?;
         geometry.jitter.validate()?;
         check::is_of_bearable_size(&geometry, parameters.spacing)?;
         check::walls_are_sound(&geometry, parameters.spacing)?;
         let mut filling = fill::fill(&geometry.water, parameters.spacing)?;
         let discretisation = discretisation(&parameters.scheme, filling.cell)?;
+        if parameters.solve.tolerance == 0.0 {
+            let answers = !geometry.active.is_empty();
+            parameters.solve.tolerance = if answers { COUPLED_TOLERANCE } else { discretisation.tolerance() };
+        }
         let spacing = filling.effective_spacing;
         let problem = Problem::new(parameters, geometry, spacing, discretisation.reach() * spacing);
         let water = &problem.geometry.water;
@@ -320,6 +324,9 @@ fn domain(walls: &Walls, positions: &[Vector2<f64>]) -> (Vector2<f64>, Vector2<f
     (low.add_scalar(-margin), high.add_scalar(margin))
 }
 
+/// Residual of the pressure, over the right side, where the body answers to the load: loads must be as good as the
+/// coupling's tolerance.
+const COUPLED_TOLERANCE: f64 = 1e-8;
 /// Share of the stable step that is suggested to a master, so that the next step needs no division although the flow
 /// gets faster meanwhile: only a step without division has a load that is exactly affine in the motion.
 pub const SUGGESTED_SHARE: f64 = 0.8;
@@ -328,3 +335,34 @@ const LONELY: f64 = 0.2;
 /// Share of its speed that such a particle counts with in the Courant number: it interacts with nothing, and needs only
 /// not to jump over walls, which see it from r_e on. A single fast drop would otherwise slow down all the water.
 const LONELY_SPEED: f64 = 0.3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{MpsParameters, VoronoiParameters};
+    use kinematics::Body;
+
+    fn tolerance(scheme: Scheme, given: f64, free: bool) -> f64 {
+        let point = |(x, y): (f64, f64)| Vector2::new(x, y);
+        let walls = vec![[(0.3, 0.3), (0.3, 0.6), (0.6, 0.6), (0.6, 0.3), (0.3, 0.3)].map(point).to_vec()];
+        let geometry = Geometry {
+            water: vec![[(0.0, 0.0), (1.0, 0.0), (1.0, 0.2), (0.0, 0.2)].map(point).to_vec()],
+            body: Some(Body { origin: Vector2::zeros(), angle: 0.0, walls, beam: None }),
+            active: if free { vec![1] } else { Vec::new() },
+            ..Geometry::default()
+        };
+        let solve = crate::SolveParameters { tolerance: given, ..crate::SolveParameters::default() };
+        let parameters = Parameters { scheme, solve, spacing: 0.05, threads: 1, ..Parameters::default() };
+        Solver::new(parameters, geometry).unwrap().problem.parameters.solve.tolerance
+    }
+
+    #[test]
+    fn the_tolerance_is_what_the_discretisation_and_the_body_need() {
+        let (voronoi, mps) =
+            (|| Scheme::Voronoi(VoronoiParameters::default()), || Scheme::Mps(MpsParameters::default()));
+        assert_eq!(tolerance(voronoi(), 0.0, false), 1e-5);
+        assert_eq!(tolerance(mps(), 0.0, false), 1e-3);
+        assert_eq!((tolerance(voronoi(), 0.0, true), tolerance(mps(), 0.0, true)), (1e-8, 1e-8));
+        assert_eq!(tolerance(mps(), 1e-6, true), 1e-6);
+    }
+}

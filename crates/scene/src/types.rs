@@ -1,6 +1,8 @@
 //! The types that a scene file deserialises into. Field names are the keys of the file.
 
 use crate::{Check, Gauge, Probe, Quick, Region, Structure};
+use fluid::{MpsParameters, SolveParameters, VoronoiParameters};
+use keys::keys;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -84,25 +86,19 @@ impl Default for Output {
     }
 }
 
-/// What a run is watched for. What is found is a warning at once and counts as a limit that was missed. Energy and speed
-/// are watched in scenes; of the FMUs of a case nobody knows what drives them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Watch {
-    /// Share of the energy of the run by which water and structure may gain energy that nothing supplied (0 to 1e3); 0
-    /// does not look. The energy of the run is the largest kinetic energy so far, the water's potential energy at the
-    /// start above the lowest point of the scene, and the range of the structure's.
-    pub energy: f64,
-    /// Share of the particles that may leave the scene (0 to 1): 1 where water is meant to run out.
-    pub lost: f64,
-    /// Largest speed of a particle over the one that its start, a fall through the scene and the body give (0 to 1e6);
-    /// 0 does not look. Jets of an impact are several times faster than the water that hits.
-    pub speed: f64,
-}
-
-impl Default for Watch {
-    fn default() -> Self {
-        Self { energy: 0.01, lost: 0.0, speed: 5.0 }
+keys! {
+    /// What a run is watched for. What is found is a warning at once and counts as a limit that was missed. Energy and speed
+    /// are watched in scenes; of the FMUs of a case nobody knows what drives them.
+    pub struct Watch {
+        /// Share of the energy of the run by which water and structure may gain energy that nothing supplied; 0 does not
+        /// look. The energy of the run is the largest kinetic energy so far, the water's potential energy at the start
+        /// above the lowest point of the scene, and the range of the structure's.
+        energy: f64 = 0.01, in 0.0 to 1e3;
+        /// Share of the particles that may leave the scene: 1 where water is meant to run out.
+        lost: f64 = 0.0, in 0.0 to 1.0;
+        /// Largest speed of a particle over the one that its start, a fall through the scene and the body give; 0 does not
+        /// look. Jets of an impact are several times faster than the water that hits.
+        speed: f64 = 5.0, in 0.0 to 1e6;
     }
 }
 
@@ -120,13 +116,13 @@ pub struct Fluid {
     pub scheme: Scheme,
     /// Parameters of the scheme `voronoi`.
     #[serde(default)]
-    pub voronoi: Voronoi,
-    /// Parameters of the paper's scheme.
+    pub voronoi: VoronoiParameters,
+    /// Parameters of the scheme `mps`.
     #[serde(default)]
-    pub mps: Mps,
+    pub mps: MpsParameters,
     /// Pressure solver.
     #[serde(default)]
-    pub solve: Solve,
+    pub solve: SolveParameters,
     /// Threads of the solver's own pool; 0 takes all processors.
     #[serde(default)]
     pub threads: usize,
@@ -206,7 +202,7 @@ impl Default for Shaking {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
-    /// Voronoi cells of the particles as weights: voronoi, quiet and without numbers to tune.
+    /// Voronoi cells of the particles as weights: accurate, quiet and without numbers to tune.
     #[default]
     Voronoi,
     /// The moving particle semi-implicit method as the paper states it.
@@ -220,108 +216,6 @@ impl Scheme {
             Self::Voronoi => "voronoi",
             Self::Mps => "mps",
         }
-    }
-}
-
-/// Source term of the pressure Poisson equation.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Source {
-    /// Divergence and density deviation mixed with a fixed weight `alpha` (the paper's equation 5).
-    #[default]
-    Mixed,
-    /// Density deviation weighted with its own magnitude (Sun et al. 2015).
-    Adaptive,
-}
-
-/// Parameters of the scheme `voronoi`. No scene needs others than the defaults.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Voronoi {
-    /// Share of the error of a cell's area removed per step (0 to 1): larger holds areas closer and is noisier.
-    pub alpha: f64,
-    /// Courant number u dt / l0, 0.01 to 1.
-    pub courant: f64,
-    /// Strength of the shift of particles to the centroids of their cells (0 to 10), 0 switches it off.
-    pub shifting: f64,
-    /// Strength of the shift away from particles nearer than 0.9 spacings (0 to 100), 0 switches it off.
-    pub repulsion: f64,
-    /// Strength of the shift towards neighbours with more room (0 to 200), 0 switches it off.
-    pub spreading: f64,
-    /// Strength of the smoothing of velocities that neighbours do not explain (0 to 10), 0 switches it off.
-    pub smoothing: f64,
-    /// Pressure at the highest point of water that fills a closed tank, Pa: nothing else determines it.
-    pub enclosed_pressure: f64,
-}
-
-impl Default for Voronoi {
-    fn default() -> Self {
-        Self {
-            alpha: 0.01,
-            courant: 0.4,
-            shifting: 1.0,
-            repulsion: 20.0,
-            spreading: 30.0,
-            smoothing: 1.0,
-            enclosed_pressure: 0.0,
-        }
-    }
-}
-
-/// Parameters of the scheme `mps`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Mps {
-    /// Effective radius r_e in spacings, 2.1 to 4.0: larger is smoother and slower.
-    pub influence_radius: f64,
-    /// Share of the density error removed per step (0 to 1): larger holds the volume better and rings more.
-    pub alpha: f64,
-    /// Form of the source term.
-    pub source: Source,
-    /// Courant number u dt / l0, 0.01 to 0.5.
-    pub courant: f64,
-    /// Strength of particle shifting (0 to 0.5), 0 switches it off.
-    pub shifting: f64,
-    /// Whether negative pressures act on particles; without, they count as zero in the gradient.
-    pub tension: bool,
-    /// Distance in spacings below which two approaching particles collide (0 to 1).
-    pub collision_distance: f64,
-    /// Coefficient of restitution of such a collision (0 to 1).
-    pub restitution: f64,
-    /// A particle whose neighbours' centroid is farther than this, in spacings (0 to 1), lies on the surface if nothing
-    /// stands on the other side.
-    pub surface_deviation: f64,
-}
-
-impl Default for Mps {
-    fn default() -> Self {
-        Self {
-            influence_radius: 3.1,
-            alpha: 0.01,
-            source: Source::Mixed,
-            courant: 0.2,
-            shifting: 0.03,
-            tension: false,
-            collision_distance: 0.85,
-            restitution: 0.2,
-            surface_deviation: 0.2,
-        }
-    }
-}
-
-/// Pressure solver.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Solve {
-    /// Relative residual at which the iteration stops; 0 picks 1e-3 for free flow and 1e-8 with a moving body.
-    pub tolerance: f64,
-    /// Iterations after which the solve is an error.
-    pub maximum_iterations: usize,
-}
-
-impl Default for Solve {
-    fn default() -> Self {
-        Self { tolerance: 0.0, maximum_iterations: 500 }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::*;
 use digits::six;
+use keys::OutOfRange;
 use std::collections::BTreeMap;
 
 /// Particles that a scene may ask for; more is a slip in the spacing rather than a wish.
@@ -38,6 +39,14 @@ impl Checker<'_> {
             f64::MAX => self.fail(key, six(value), &format!("a finite number of at least {}", six(low))),
             _ => self.fail(key, six(value), &format!("a number from {} to {}", six(low), six(high))),
         }
+    }
+
+    /// What a struct of keys below `table` said of its numbers.
+    fn keys(&self, table: &str, checked: Result<(), OutOfRange>) -> Result<(), Error> {
+        checked.or_else(|out| {
+            let keys::Key { name, low, high } = out.key;
+            self.within(&format!("{table}.{name}"), out.got, low, high)
+        })
     }
 
     fn positive(&self, key: &str, value: f64) -> Result<(), Error> {
@@ -168,10 +177,7 @@ impl Output {
 impl Watch {
     /// Checks every number; `name` is used in messages.
     pub fn validate(&self, name: &str) -> Result<(), Error> {
-        let check = Checker { name };
-        check.within("watch.energy", self.energy, 0.0, 1e3)?;
-        check.within("watch.lost", self.lost, 0.0, 1.0)?;
-        check.within("watch.speed", self.speed, 0.0, 1e6)
+        Checker { name }.keys("watch", self.check())
     }
 }
 
@@ -223,24 +229,9 @@ fn validate_fluid(check: &Checker, fluid: &Fluid, has_body: bool) -> Result<(), 
     check.positive("fluid.spacing", fluid.spacing)?;
     check.within("fluid.threads", fluid.threads as f64, 0.0, 1024.0)?;
     validate_forcing(check, fluid)?;
-    let voronoi = &fluid.voronoi;
-    check.within("fluid.voronoi.alpha", voronoi.alpha, 0.0, 1.0)?;
-    check.within("fluid.voronoi.courant", voronoi.courant, 0.01, 1.0)?;
-    check.within("fluid.voronoi.shifting", voronoi.shifting, 0.0, 10.0)?;
-    check.within("fluid.voronoi.repulsion", voronoi.repulsion, 0.0, 100.0)?;
-    check.within("fluid.voronoi.spreading", voronoi.spreading, 0.0, 200.0)?;
-    check.within("fluid.voronoi.smoothing", voronoi.smoothing, 0.0, 10.0)?;
-    check.within("fluid.voronoi.enclosed_pressure", voronoi.enclosed_pressure, -1e12, 1e12)?;
-    let mps = &fluid.mps;
-    check.within("fluid.mps.influence_radius", mps.influence_radius, 2.1, 4.0)?;
-    check.within("fluid.mps.alpha", mps.alpha, 0.0, 1.0)?;
-    check.within("fluid.mps.courant", mps.courant, 0.01, 0.5)?;
-    check.within("fluid.mps.shifting", mps.shifting, 0.0, 0.5)?;
-    check.within("fluid.mps.collision_distance", mps.collision_distance, 0.0, 1.0)?;
-    check.within("fluid.mps.restitution", mps.restitution, 0.0, 1.0)?;
-    check.within("fluid.mps.surface_deviation", mps.surface_deviation, 0.0, 1.0)?;
-    check.within("fluid.solve.tolerance", fluid.solve.tolerance, 0.0, 0.1)?;
-    check.within("fluid.solve.maximum_iterations", fluid.solve.maximum_iterations as f64, 1.0, 1e6)?;
+    check.keys("fluid.voronoi", fluid.voronoi.check())?;
+    check.keys("fluid.mps", fluid.mps.check())?;
+    check.keys("fluid.solve", fluid.solve.check())?;
     if fluid.water.is_empty() {
         check.fail("fluid.water", "empty", "at least one polygon of water")?;
     }

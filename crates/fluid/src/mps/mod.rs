@@ -82,7 +82,7 @@ impl Mps {
     /// # Errors
     /// A parameter out of its range.
     pub fn new(parameters: MpsParameters, cell: Vector2<f64>) -> Result<Self, Error> {
-        parameters.validate()?;
+        parameters.check()?;
         let kernel = Kernel::new(parameters.influence_radius, cell);
         Ok(Self::with(Method { parameters, kernel }))
     }
@@ -172,6 +172,10 @@ impl Discretisation for Mps {
     fn stability(&self) -> Stability {
         let (courant, ordinary_courant) = (self.method.parameters.courant, MpsParameters::default().courant);
         Stability { courant, ordinary_courant, ease: EASE }
+    }
+
+    fn tolerance(&self) -> f64 {
+        1e-3
     }
 
     fn reach(&self) -> f64 {

@@ -65,7 +65,7 @@ impl Voronoi {
     /// # Errors
     /// A parameter out of its range.
     pub fn new(parameters: VoronoiParameters) -> Result<Self, Error> {
-        parameters.validate()?;
+        parameters.check()?;
         Ok(Self::with(parameters))
     }
 
@@ -157,6 +157,11 @@ impl Discretisation for Voronoi {
     fn stability(&self) -> Stability {
         let (courant, ordinary_courant) = (self.parameters.courant, VoronoiParameters::default().courant);
         Stability { courant, ordinary_courant, ease: EASE }
+    }
+
+    /// 1e-4 shows in linear sloshing only.
+    fn tolerance(&self) -> f64 {
+        1e-5
     }
 
     fn reach(&self) -> f64 {
