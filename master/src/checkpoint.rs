@@ -4,7 +4,7 @@ use crate::coupling::Memory;
 use crate::record::{Error, IterationCounts, ResultMark};
 use crate::stages::Stages;
 use crate::watch;
-use components::frames::write_lasting;
+use frames::write_lasting;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

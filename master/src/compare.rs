@@ -1,10 +1,10 @@
 //! `plimsoll compare`: histories of several runs, and of reference tables, over each other.
 
-use crate::checks::interpolate;
 use crate::record::{Column, Error, Recipe, Series, write_whole};
-use crate::report::html::{self, Failure};
-use crate::report::{Chart, Curve, MOST_MARKERS, Short};
 use maud::{Markup, html};
+use report::checks::interpolate;
+use report::html::{self, Failure};
+use report::{Chart, Curve, MOST_MARKERS, Short};
 use std::path::{Path, PathBuf};
 
 /// What to compare.

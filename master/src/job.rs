@@ -2,14 +2,15 @@
 
 use crate::case::Case;
 use crate::checkpoint::{self, Checkpoint, Schedule};
-use crate::checks::{self, Context};
-use crate::folder::{RunFolder, Wish, plots};
+use crate::folder::{RunFolder, Wish, plots, tables};
 use crate::participant::Participant;
 use crate::progress::Progress;
 use crate::record::{self, Recipe, Series, Status, Summary};
-use crate::report::{self, Chart};
 use crate::run::{self, Outcome};
+use crate::target::Target;
 use crate::tell;
+use report::checks::{self, Context};
+use report::{Chart, Wanted};
 use scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -73,6 +74,18 @@ pub fn warnings(case: &Case, scene: Option<&Scene>, references: &Path) -> Vec<St
 }
 
 impl Job {
+    /// What the run of `target` is made of, on as many threads as the command named.
+    pub fn recipe(&self, target: &Target, threads: Option<usize>) -> Recipe {
+        let fmus = self.case.fmu.iter().map(|fmu| (fmu.name.as_str(), fmu.path.as_path()));
+        Recipe::new(&self.name, &target.set, threads, &target.references, fmus, tables())
+    }
+
+    /// What its charts show; `passes` are those of its accepted steps.
+    fn wanted<'a>(&'a self, passes: &'a [(f64, f64)]) -> Wanted<'a> {
+        let Case { check, output, labels, .. } = &self.case;
+        Wanted { check, plot: &output.plot, labels, passes }
+    }
+
     /// Takes what an earlier run left in the folder: the checkpoint to go on from, if the wish is to resume and there is
     /// one; else its files are removed.
     ///
@@ -118,7 +131,7 @@ impl Job {
     /// Everything about a run that has ended. It counts as complete from the last byte on: until then the checkpoint stays,
     /// so that a kill or a full disk costs what comes after it at most.
     fn conclude(&self, outcome: &Outcome) -> Result<Summary, record::Error> {
-        let charts = report::charts(&self.case, &outcome.series, &outcome.counts, &self.references);
+        let charts = report::charts(&self.wanted(&outcome.counts.history), &outcome.series, &self.references);
         let mut recipe = Recipe::read(&self.folder)?;
         let summary = self.summary(outcome);
         let path = self.folder.join("summary.json");

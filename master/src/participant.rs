@@ -136,19 +136,10 @@ impl Description {
         self.variables.iter().find(|variable| variable.name == name).ok_or_else(|| Error::UnknownVariable {
             participant: participant.to_string(),
             variable: name.to_string(),
-            hint: nearest(name, self.variables.iter().map(|variable| variable.name.as_str()))
+            hint: scene::nearest(name, self.variables.iter().map(|variable| variable.name.as_str()))
                 .map_or_else(String::new, |known| format!("; did you mean '{known}'?")),
         })
     }
-}
-
-/// The known name nearest to `name`, if any comes near.
-pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    known
-        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
-        .filter(|(score, _)| *score > 0.6)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
 }
 
 /// How a step ended.

@@ -392,7 +392,7 @@ fn missing_variables(case: &Case, system: &System) -> Vec<String> {
     let missing = asked.filter(|check| !names().any(|name| name == check.variable));
     missing
         .map(|check| {
-            let near = participant::nearest(&check.variable, names());
+            let near = scene::nearest(&check.variable, names());
             let hint = near.map_or_else(String::new, |name| format!("; the nearest name is '{name}'"));
             format!("check '{}': this run has no variable '{}'{hint}", check.name, check.variable)
         })

@@ -1,7 +1,7 @@
 //! What a command is about: a scene by name, a file, or the folder of an earlier run.
 
 use crate::record::Recipe;
-use crate::{pack, participant, scene_case};
+use crate::{pack, scene_case};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -85,7 +85,7 @@ fn locate(path: PathBuf, target: &str) -> Result<PathBuf, Box<dyn Error>> {
     }
     let names: Vec<String> =
         pack::files_with(&folder, "toml")?.iter().map(|path| scene_case::scene_name(path)).collect();
-    let hint = participant::nearest(target, names.iter().map(String::as_str));
+    let hint = scene::nearest(target, names.iter().map(String::as_str));
     let hint = hint.map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
     let known = names.join(", ");
     Err(format!("'{target}' is neither a file nor a scene in {} ({known}){hint}", folder.display()).into())

@@ -1,11 +1,11 @@
 //! `plimsoll validate`: scenes one after the other, and one dated record of the figures that they ask of themselves.
 
 use crate::command::run::{RunArguments, execute};
-use crate::machine::{self, Circumstances};
 use crate::progress::Style;
 use crate::record::{CheckResult, Status, Summary, write_whole};
-use crate::report::{Short, number};
 use crate::{pack, scene_case, tell};
+use report::machine::{self, Circumstances};
+use report::{Short, number};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! What a user should know of a scene before it runs, told by `check` and by the run alike.
 
-use crate::report::Short;
+use report::Short;
 use scene::{Integrator, Scene};
 use std::f64::consts::TAU;
 

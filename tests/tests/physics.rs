@@ -1,7 +1,7 @@
 //! Figures through the C ABI that have an exact value, directional derivatives, and field frames.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
-use components::{ACCELERATION, DEFAULT_MODES, FluidComponent, LOAD, POSITION, StructureComponent, VELOCITY, frames};
+use components::{ACCELERATION, DEFAULT_MODES, FluidComponent, LOAD, POSITION, StructureComponent, VELOCITY};
 use fmi2::ffi::Status;
 use fmi2::{Component, describe};
 use plimsoll_tests::{Library, Slave, resources};

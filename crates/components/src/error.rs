@@ -64,13 +64,8 @@ pub enum Error {
     #[error(transparent)]
     Fluid(#[from] fluid::Error),
     /// A field frame that cannot be written or read.
-    #[error("field frame {path}: {reason}")]
-    Frame {
-        /// Path of the file.
-        path: String,
-        /// What the system or the library said.
-        reason: String,
-    },
+    #[error(transparent)]
+    Frame(#[from] frames::Error),
 }
 
 impl Error {
@@ -78,7 +73,7 @@ impl Error {
     #[must_use]
     pub fn in_scene(self, scene: &str) -> Self {
         match self {
-            Self::SceneNotFound { .. } | Self::Scene(_) | Self::InScene { .. } | Self::Frame { .. } => self,
+            Self::SceneNotFound { .. } | Self::Scene(_) | Self::InScene { .. } | Self::Frame(_) => self,
             error if scene.is_empty() => error,
             error => Self::InScene { scene: scene.to_string(), error: Box::new(error) },
         }

@@ -88,7 +88,7 @@ pub fn fluid_set_up(scene: &Scene) -> Result<(Vec<[f32; 2]>, Vec<String>), Error
         return Ok((Vec::new(), Vec::new()));
     }
     let runtime = Runtime::new(Arc::new(scene.clone()), MAXIMUM_MODES, &SceneParameters::default(), 0.0)?;
-    let particles = runtime.solver.initial_state().positions.iter().map(crate::frames::single).collect();
+    let particles = runtime.solver.initial_state().positions.iter().map(frames::single).collect();
     Ok((particles, runtime.warnings))
 }
 

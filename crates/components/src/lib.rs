@@ -7,7 +7,6 @@
 pub mod conversion;
 mod error;
 mod fluid_component;
-pub mod frames;
 mod interface;
 pub mod memory;
 mod parameters;

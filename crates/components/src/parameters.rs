@@ -1,8 +1,8 @@
 //! The parameters that both FMUs have: which scene, and where field frames go.
 
-use crate::frames::Series;
 use crate::{Error, find_scene};
 use fmi2::{Failure, Variable};
+use frames::Series;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -62,7 +62,7 @@ impl SceneParameters {
         if self.output_directory.is_empty() || interval <= 0.0 {
             return Ok(None);
         }
-        Series::new(Path::new(&self.output_directory), field, start, interval).map(Some)
+        Ok(Some(Series::new(Path::new(&self.output_directory), field, start, interval)?))
     }
 }
 

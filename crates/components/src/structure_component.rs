@@ -3,11 +3,11 @@
 mod check;
 mod table;
 
-use crate::frames::{Field, Frame, Line, Series, single};
 use crate::interface::{COORDINATES, MotionValues, coordinate, mass_index};
 use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
 use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion};
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
+use frames::{Field, Frame, Line, Series, single};
 use kinematics::{Body, MAXIMUM_MODES, Motion, RIGID};
 use nalgebra::{DMatrix, DVector};
 use scene::Scene;

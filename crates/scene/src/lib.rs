@@ -27,3 +27,4 @@ pub use quick::{Quick, QuickCheck};
 pub use structure::{Beam, Freedom, Integrator, Structure, Support};
 pub use types::*;
 pub use validate::validate_checks;
+pub use words::nearest;

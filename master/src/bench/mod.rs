@@ -10,12 +10,12 @@ pub mod sheet;
 pub mod speed;
 pub mod trial;
 
-use crate::machine::{self, Circumstances};
 use crate::record;
-use crate::report::{Short, prepare_font};
 use crate::tell;
 use comparison::Comparison;
 use plan::Plan;
+use report::machine::{self, Circumstances};
+use report::{Short, prepare_font};
 use scene::{Scene, Scheme};
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -3,8 +3,8 @@
 use super::Record;
 use super::comparison::{Comparison, Factor};
 use super::trial::Trial;
-use crate::machine;
-use crate::report::Short;
+use report::Short;
+use report::machine;
 use scene::Scheme;
 
 /// The page. Pictures lie beside it.
@@ -172,7 +172,7 @@ fn full(factor: Option<Factor>) -> String {
 mod tests {
     use super::*;
     use crate::bench::comparison::tests::example;
-    use crate::machine::Circumstances;
+    use report::machine::Circumstances;
 
     #[test]
     fn the_page_says_orders_factors_and_failures() {

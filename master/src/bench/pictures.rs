@@ -1,7 +1,7 @@
 //! Error against spacing and error against run time of a scene's first figure.
 
 use super::comparison::Comparison;
-use crate::report::{Curve, Error, LogChart};
+use report::{Curve, Error, LogChart};
 use std::path::Path;
 
 /// Orders of the guides.
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn a_scene_has_four_files_with_orders_in_the_legend() {
-        crate::report::prepare_font();
+        report::prepare_font();
         let folder = tempfile::tempdir().unwrap();
         draw(&example(), folder.path()).unwrap();
         for name in ["spacing.png", "spacing.svg", "time.png", "time.svg"] {

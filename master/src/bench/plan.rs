@@ -100,7 +100,7 @@ pub const PLANS: [Plan; 8] = [
 pub fn find(scene: &str) -> Result<Plan, String> {
     PLANS.into_iter().find(|plan| plan.scene == scene).ok_or_else(|| {
         let names = PLANS.map(|plan| plan.scene);
-        let hint = crate::participant::nearest(scene, names.into_iter());
+        let hint = scene::nearest(scene, names.into_iter());
         let hint = hint.map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
         format!("no comparison is planned for '{scene}', expected one of {}{hint}", names.join(", "))
     })

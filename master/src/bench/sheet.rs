@@ -75,7 +75,7 @@ fn row(comparison: &Comparison, figure: usize, trial: &Trial) -> [String; 20] {
 mod tests {
     use super::*;
     use crate::bench::comparison::tests::example;
-    use crate::machine::Circumstances;
+    use report::machine::Circumstances;
 
     #[test]
     fn every_run_has_a_row_that_reads_back() {

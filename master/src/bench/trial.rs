@@ -3,7 +3,6 @@
 use super::machine::processor_seconds;
 use super::plan::Plan;
 use crate::checkpoint::Schedule;
-use crate::checks::{self, Context};
 use crate::in_process;
 use crate::job::ReportMetadata;
 use crate::log::Log;
@@ -11,6 +10,7 @@ use crate::progress::{Progress, Style};
 use crate::record::{CheckResult, Series, Status};
 use crate::run::{self, Outcome};
 use crate::scene_case::{self, FLUID, Places};
+use report::checks::{self, Context};
 use scene::{CheckKind, Scene, Scheme};
 use std::collections::BTreeMap;
 use std::error::Error;

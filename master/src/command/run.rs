@@ -10,11 +10,12 @@ use crate::pack;
 use crate::participant::Participant;
 use crate::progress::{Progress, Style};
 use crate::record::{Recipe, Status, Summary};
-use crate::report::{Short, number};
 use crate::run::Outcome;
 use crate::scene_case::{self, Places};
 use crate::target::Target;
-use crate::{answer, checks, fmu, tell};
+use crate::{answer, fmu, tell};
+use report::checks;
+use report::{Short, number};
 use scene::Scene;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -136,7 +137,7 @@ fn execute_target(
     if let Some(packing) = packing {
         packing.pack(arguments.style())?;
     }
-    let mut recipe = Recipe::new(&job.name, &target.set, arguments.threads, &target.references, &job.case);
+    let mut recipe = job.recipe(target, arguments.threads);
     if let (Some(_), Some(begun)) = (&checkpoint, held.recipe()) {
         recipe.go_on_with(begun);
     }

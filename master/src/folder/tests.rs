@@ -1,11 +1,9 @@
 use super::*;
-use crate::case::Case;
 use std::fs;
 
 fn recipe(files: &[&str]) -> Recipe {
-    let case = "[run]\nend = 1.0\ncommunication_step = 0.01\n[[fmu]]\nname = 'a'\npath = 'a.fmu'\n";
-    let case = Case::from_text(case, "c.toml", &[]).unwrap();
-    let recipe = Recipe::new("c", &[], None, Path::new(""), &case);
+    let fmus = [("a", Path::new("a.fmu"))].into_iter();
+    let recipe = Recipe::new("c", &[], None, Path::new(""), fmus, tables());
     Recipe { files: files.iter().map(ToString::to_string).collect(), ..recipe }
 }
 

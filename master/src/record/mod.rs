@@ -1,42 +1,15 @@
-//! What a run leaves behind: tables of results and iterations, and a summary.
+//! What a run writes while it goes: tables of results and iterations.
 
 mod iterations;
-mod parquet;
-mod recipe;
 mod results;
-mod series;
-mod summary;
-mod whole;
 
 pub use iterations::{IterationCounts, IterationWriter};
-pub use parquet::write_parquet;
-pub use recipe::{RECIPE, Recipe};
+pub use report::record::*;
 pub use results::{Grid, ResultMark, ResultWriter, STAGE, recorded};
-pub use series::{Column, Series};
-pub use summary::{CheckResult, CouplingSummary, Status, Summary};
-pub use whole::write_whole;
 
 use std::fs::{File, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
-use thiserror::Error;
-
-/// A file that cannot be written or read.
-#[derive(Debug, Error)]
-#[error("{path}: {reason}")]
-pub struct Error {
-    /// Path of the file.
-    pub path: String,
-    /// What failed.
-    pub reason: String,
-}
-
-impl Error {
-    /// An error about `path`.
-    pub fn new(path: &Path, reason: impl ToString) -> Self {
-        Self { path: path.display().to_string(), reason: reason.to_string() }
-    }
-}
 
 /// Opens a table for what follows its first `bytes`; the rest is cut off.
 fn reopen(path: &Path, bytes: u64) -> Result<File, Error> {

@@ -3,9 +3,9 @@
 use super::cabin::{self, PERIOD, TABLE};
 use super::{FinishedRun, Model, balance};
 use crate::record::Status;
-use crate::report::html::{self, Failure};
-use crate::report::{Chart, Curve, FieldFigure, Fields, Quantity, movie};
 use maud::{Markup, html};
+use report::html::{self, Failure};
+use report::{Chart, Curve, FieldFigure, Fields, Quantity, movie};
 use std::path::Path;
 
 /// Histories: the paper's figure, title, variable, axis, factor.

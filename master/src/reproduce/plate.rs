@@ -1,9 +1,9 @@
 //! The section of the dam break on an elastic plate: the paper's figures 3 and 4.
 
 use super::FinishedRun;
-use crate::report::html::{self, Failure};
-use crate::report::{Band, Chart, Curve, FieldFigure, Fields, Quantity, movie};
 use maud::{Markup, html};
+use report::html::{self, Failure};
+use report::{Band, Chart, Curve, FieldFigure, Fields, Quantity, movie};
 use std::path::Path;
 
 /// Moments of the water's shape \[s\], around the impact.

@@ -6,10 +6,10 @@ use super::{
 };
 use crate::command::run::{RunArguments, execute};
 use crate::record::{Recipe, Series, Status, Summary};
-use crate::report::html::{self, Failure};
-use crate::report::{Band, prepare_font};
 use crate::tell;
 use maud::html;
+use report::html::{self, Failure};
+use report::{Band, prepare_font};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 

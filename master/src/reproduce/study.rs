@@ -3,9 +3,9 @@
 use super::FinishedRun;
 use super::cabin;
 use super::hull::{Opening, Side, walls};
-use crate::report::html::{self, Failure};
-use crate::report::{Chart, Curve};
 use maud::{Markup, html};
+use report::html::{self, Failure};
+use report::{Chart, Curve};
 
 /// Largest displacement of particles at the start, in spacings.
 const JITTER: f64 = 0.01;

@@ -1,7 +1,7 @@
 //! What a watch finds in the figures of one communication point after the other.
 
 use super::Reference;
-use crate::report::Short;
+use report::Short;
 use serde::{Deserialize, Serialize};
 
 /// Figures of a system at a communication point; 0 where nobody gives them.

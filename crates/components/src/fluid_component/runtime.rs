@@ -1,11 +1,11 @@
 //! What follows from the scene and needs no saving: solver, scratch, field frames.
 
 use super::{GAUGES, PROBES, REGIONS, instruments};
-use crate::frames::{Field, Frame, Series, single, write_frame};
 use crate::parameters::{SceneParameters, same_model};
 use crate::{Error, conversion};
 use digits::six;
 use fmi2::Failure;
+use frames::{Field, Frame, Series, single, write_frame};
 use nalgebra::Vector2;
 use scene::Scene;
 use std::cell::RefCell;

@@ -1,8 +1,6 @@
 //! What a run was made of, so that it can be repeated to the bit.
 
 use super::{Error, write_whole};
-use crate::case::Case;
-use crate::folder::tables;
 use crate::machine::Circumstances;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -44,8 +42,15 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// The recipe of a run that begins now.
-    pub fn new(name: &str, set: &[String], threads: Option<usize>, references: &Path, case: &Case) -> Self {
+    /// The recipe of a run that begins now, of FMUs by name and path, whose files are `files`.
+    pub fn new<'a>(
+        name: &str,
+        set: &[String],
+        threads: Option<usize>,
+        references: &Path,
+        fmus: impl Iterator<Item = (&'a str, &'a Path)>,
+        files: Vec<String>,
+    ) -> Self {
         let Circumstances { date, machine, command, .. } = Circumstances::here();
         let checksum = |path: &Path| match scene::read_file(path) {
             Ok(bytes) => format!("{:08x}", crc32fast::hash(&bytes)),
@@ -57,11 +62,11 @@ impl Recipe {
             threads,
             references: std::path::absolute(references).unwrap_or_else(|_| references.to_path_buf()),
             version: env!("CARGO_PKG_VERSION").to_string(),
-            fmus: case.fmu.iter().map(|fmu| (fmu.name.clone(), checksum(&fmu.path))).collect(),
+            fmus: fmus.map(|(name, path)| (name.to_string(), checksum(path))).collect(),
             command,
             date,
             machine,
-            files: tables(),
+            files,
             ended: None,
         }
     }

@@ -1,7 +1,7 @@
 //! summary.json: what ran, how long it took, and the figures of its checks. Scripts rely on these keys.
 
 use super::{Error, write_whole};
-use crate::report::Short;
+use crate::Short;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -3,10 +3,10 @@
 use super::chart::{Band, Chart, Curve};
 use super::field::{FieldFigure, Quantity};
 use super::{Error, Fields, movie};
-use crate::case::Case;
 use crate::checks::{self, Reference};
-use crate::record::{Column, IterationCounts, Series};
+use crate::record::{Column, Series};
 use scene::Check;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const TIME: &str = "time [s]";
@@ -18,7 +18,7 @@ const LAST: &str = "field-last";
 /// Moments shown side by side.
 const MOMENTS: usize = 4;
 /// Most points of a reference that are drawn one by one; more are drawn as a line.
-pub(crate) const MOST_MARKERS: usize = 60;
+pub const MOST_MARKERS: usize = 60;
 /// Variables, by how their names go on after the participant, that a run without a choice of its own plots only when a
 /// check asks for them: book-keeping, and figures of special scenes.
 const ASIDE: [&str; 8] =
@@ -35,13 +35,26 @@ pub struct Pictures {
     pub failures: Vec<Error>,
 }
 
+/// What is wanted on charts.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted<'a> {
+    /// Figures that the scene asks for.
+    pub check: &'a [Check],
+    /// Variables to plot, by name; empty for a default choice.
+    pub plot: &'a [String],
+    /// Labels of variables by their names.
+    pub labels: &'a BTreeMap<String, String>,
+    /// Time at the end of each accepted step \[s\], and its passes.
+    pub passes: &'a [(f64, f64)],
+}
+
 /// The charts of a run, by the names of their files: reference files of checks are looked for in `references`.
-pub fn charts(case: &Case, series: &Series, counts: &IterationCounts, references: &Path) -> Vec<(String, Chart)> {
+pub fn charts(wanted: &Wanted, series: &Series, references: &Path) -> Vec<(String, Chart)> {
     let mut charts: Vec<(String, Chart)> = Vec::new();
-    charts.extend(case.check.iter().filter_map(|check| against_reference(check, series, references)));
-    charts.extend(families(case, series));
-    if counts.maximum > 1 {
-        charts.push(("iterations".to_string(), iterations(counts)));
+    charts.extend(wanted.check.iter().filter_map(|check| against_reference(check, series, references)));
+    charts.extend(families(wanted, series));
+    if wanted.passes.iter().any(|(_, passes)| *passes > 1.0) {
+        charts.push(("iterations".to_string(), iterations(wanted.passes)));
     }
     charts
 }
@@ -130,10 +143,10 @@ fn is_plain(column: &Column, checks: &[Check]) -> bool {
 }
 
 /// Variables of one participant whose names differ in the last part only, with one unit, share a picture.
-fn families(case: &Case, series: &Series) -> Vec<(String, Chart)> {
+fn families(wanted: &Wanted, series: &Series) -> Vec<(String, Chart)> {
     let chosen = |column: &&Column| {
-        let wanted = &case.output.plot;
-        if wanted.is_empty() { is_plain(column, &case.check) } else { wanted.contains(&column.name) }
+        let chosen = wanted.plot;
+        if chosen.is_empty() { is_plain(column, wanted.check) } else { chosen.contains(&column.name) }
     };
     let mut families: Vec<(String, Vec<&Column>)> = Vec::new();
     for column in series.columns.iter().filter(chosen) {
@@ -144,7 +157,7 @@ fn families(case: &Case, series: &Series) -> Vec<(String, Chart)> {
         }
     }
     let chart = |(key, members): (String, Vec<&Column>)| {
-        let label = |column: &Column| case.labels.get(&column.name).cloned().unwrap_or_else(|| column.name.clone());
+        let label = |column: &Column| wanted.labels.get(&column.name).cloned().unwrap_or_else(|| column.name.clone());
         // Beside the potential energy nothing else could be seen: energies are drawn from their start.
         let from_start = stem(&members[0].name).ends_with(".energy");
         let curve = |column: &&Column| {
@@ -189,8 +202,8 @@ fn family(column: &Column) -> String {
     format!("{stem} {}", column.unit)
 }
 
-fn iterations(counts: &IterationCounts) -> Chart {
-    let curve = Curve { label: "iterations".to_string(), points: counts.history.clone(), markers: false };
+fn iterations(passes: &[(f64, f64)]) -> Chart {
+    let curve = Curve { label: "iterations".to_string(), points: passes.to_vec(), markers: false };
     Chart {
         title: "coupling iterations per step".to_string(),
         x: TIME.to_string(),

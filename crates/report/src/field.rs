@@ -2,7 +2,7 @@
 
 use super::canvas::{Error, FAMILY, save};
 use super::chart::tick;
-pub use components::frames::Line;
+pub use frames::Line;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::path::{Path, PathBuf};

@@ -8,5 +8,5 @@ use std::path::Path;
 /// # Errors
 /// A file that cannot be written; then nothing is left of it, and an earlier file of that name stays.
 pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
-    components::frames::write_whole(path, content.as_ref()).map_err(|error| Error::new(path, error))
+    frames::write_whole(path, content.as_ref()).map_err(|error| Error::new(path, error))
 }

@@ -96,7 +96,7 @@ pub(super) fn verdict(check: &CheckResult) -> String {
 }
 
 /// A number, or a dash where there is none.
-pub(crate) fn number(value: Option<f64>) -> String {
+pub fn number(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_string(), |value| Short(value).to_string())
 }
 

@@ -177,7 +177,7 @@ pub(super) fn value_at(points: &[(f64, f64)], time: f64) -> Result<f64, String> 
 }
 
 /// Linear interpolation; none outside, but for rounding of the ends.
-pub(crate) fn interpolate(points: &[(f64, f64)], time: f64) -> Option<f64> {
+pub fn interpolate(points: &[(f64, f64)], time: f64) -> Option<f64> {
     let (first, last) = (points.first()?, points.last()?);
     let slack = 1e-9 * (last.0 - first.0).abs();
     if time < first.0 - slack || time > last.0 + slack {

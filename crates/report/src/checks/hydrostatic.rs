@@ -1,8 +1,8 @@
 //! Pressure of water at rest.
 
 use super::Context;
-use crate::report::{FrameEntry, frames};
-use components::frames::read_frame;
+use crate::{FrameEntry, frames};
+use frames::read_frame;
 use scene::Check;
 
 pub(super) const NEEDS_DEPTH: &str = "needs `depth`, the height of the water above y = 0";

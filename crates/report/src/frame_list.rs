@@ -1,7 +1,7 @@
 //! Field frames that the components wrote.
 
 use super::field::{Line, Panel, Quantity};
-use components::frames::{ReadFrame, read_frame};
+use frames::{ReadFrame, read_frame};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! A drawing as SVG and, rendered from that, as PNG. The font comes with the program: no system font is needed.
 
-use components::frames::write_whole;
+use frames::write_whole;
 use plotters::style::{FontStyle, register_font};
 use resvg::{tiny_skia, usvg};
 use std::path::{Path, PathBuf};

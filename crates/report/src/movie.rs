@@ -2,7 +2,7 @@
 
 use super::field::{Panel, Quantity, View, colour, range_of, spacing};
 use super::{Error, Fields};
-use components::frames::write_whole;
+use frames::write_whole;
 use plotters::style::RGBColor;
 use resvg::tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Stroke, Transform};
 use std::collections::HashMap;
@@ -151,7 +151,7 @@ impl Canvas {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use components::frames::{Field, Frame, Series};
+    use frames::{Field, Frame, Series};
 
     #[test]
     fn frames_become_an_animation_with_their_colours() {

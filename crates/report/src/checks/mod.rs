@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 pub use curves::{Reference, file, reference};
-pub(crate) use series::interpolate;
+pub use series::interpolate;
 
 /// What checks are computed from.
 pub struct Context<'a> {
@@ -149,7 +149,7 @@ fn figure(check: &Check, context: &Context) -> Result<Figure, String> {
 pub fn points(check: &Check, series: &Series) -> Result<Points, String> {
     let column = series.column(&check.variable).ok_or_else(|| {
         let known = series.columns.iter().map(|column| column.name.as_str());
-        let hint = crate::participant::nearest(&check.variable, known);
+        let hint = scene::nearest(&check.variable, known);
         let hint = hint.map_or_else(String::new, |known| format!("; did you mean '{known}'?"));
         format!("there is no recorded variable '{}'{hint}", check.variable)
     })?;

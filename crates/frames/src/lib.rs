@@ -3,7 +3,6 @@
 //! A frame is written for the accepted state from which a step starts, and its number follows from its time, so that
 //! steps that are repeated after a rollback overwrite their frames with the same content.
 
-use crate::Error;
 use nalgebra::Vector2;
 use quick_xml::Writer;
 use serde::Deserialize;
@@ -11,11 +10,22 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use thiserror::Error;
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer, Piece,
     UnstructuredGridPiece, Version, VertexNumbers, Vtk,
 };
 use vtkio::xml::Compressor;
+
+/// A field frame that cannot be written or read.
+#[derive(Debug, Error)]
+#[error("field frame {path}: {reason}")]
+pub struct Error {
+    /// Path of the file.
+    pub path: String,
+    /// What the system or the library said.
+    pub reason: String,
+}
 
 /// Compression level: 6 takes twice the time of 1 for a tenth less.
 const COMPRESSION: u32 = 3;
@@ -172,7 +182,7 @@ struct ListedFrame {
 }
 
 fn failed(path: &Path, error: &dyn std::fmt::Display) -> Error {
-    Error::Frame { path: path.display().to_string(), reason: error.to_string() }
+    Error { path: path.display().to_string(), reason: error.to_string() }
 }
 
 /// Writes beside the file, with the extension `part`, and renames: whoever looks finds the whole file or none, also
