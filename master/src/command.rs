@@ -4,14 +4,11 @@ mod check;
 mod create;
 pub(crate) mod run;
 
-use crate::bench::{self, Bench};
-use crate::compare::{self, CompareArguments};
 use crate::pack;
+use crate::program::Plimsoll;
 use crate::progress::Style;
-use crate::reproduce::{self, Reproduce};
 use crate::scene_case::{self, Places};
 use crate::target::Target;
-use crate::validate::{self, ValidateArguments};
 use crate::{answer, fmu, tell};
 use check::CheckArguments;
 use clap::{Parser, Subcommand};
@@ -23,6 +20,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use studies::bench::{self, Bench};
+use studies::compare::{self, CompareArguments};
+use studies::reproduce::{self, Reproduce};
+use studies::validate::{self, ValidateArguments};
 
 /// What runs when nothing is asked.
 const DEFAULT_SCENE: &str = "dam_break_plate";
@@ -169,7 +170,7 @@ fn export_package(target: &str, set: &[String], out: Option<PathBuf>) -> Result<
     }
     // Masters that import packages do not iterate.
     scene.coupling.method = scene::Method::Explicit;
-    let name = scene_case::scene_name(&path);
+    let name = scene::name_of(&path);
     let places = Places { scene: path.clone(), fmus: PathBuf::new(), frames: PathBuf::new() };
     let case = scene_case::case(&scene, &changes, None, &places);
     let text = scene::read_text(&path)?;
@@ -185,7 +186,7 @@ fn export_package(target: &str, set: &[String], out: Option<PathBuf>) -> Result<
 fn list_scenes() -> Result<ExitCode, Failure> {
     let folder = pack::scenes_folder()?;
     for path in pack::files_with(&folder, "toml")? {
-        let name = scene_case::scene_name(&path);
+        let name = scene::name_of(&path);
         match Scene::from_file(&path) {
             Ok(scene) => answer!("{name:24} {}", scene.title),
             Err(error) => answer!("{name:24} not valid: {error}"),
@@ -196,14 +197,14 @@ fn list_scenes() -> Result<ExitCode, Failure> {
 
 fn accuracy(arguments: &bench::AccuracyArguments) -> Result<ExitCode, Failure> {
     let interrupted = watch_for_interruption(Style::default())?;
-    let page = bench::accuracy(arguments, &pack::scenes_folder()?, &interrupted)?;
+    let page = bench::accuracy(arguments, &pack::scenes_folder()?, &Plimsoll, &interrupted)?;
     answer!("report: {}", page.display());
     Ok(ended(&interrupted, true))
 }
 
 fn validate_scenes(arguments: &ValidateArguments) -> Result<ExitCode, Failure> {
     let interrupted = watch_for_interruption(Style::default())?;
-    let validation = validate::validate(arguments, &interrupted)?;
+    let validation = validate::validate(arguments, &Plimsoll, &interrupted)?;
     answer!("record: {}", validation.record.display());
     match ended(&interrupted, validation.complete) {
         ExitCode::SUCCESS if validation.missed > 0 => Ok(ExitCode::from(MISSED)),
@@ -218,7 +219,7 @@ fn compare_runs(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
 
 fn reproduce(what: &Reproduce) -> Result<ExitCode, Failure> {
     let interrupted = watch_for_interruption(Style::default())?;
-    let (page, complete) = reproduce::run(what, &pack::scenes_folder()?, &interrupted)?;
+    let (page, complete) = reproduce::run(what, &Plimsoll, &interrupted)?;
     answer!("report: {}", page.display());
     Ok(ended(&interrupted, complete))
 }
@@ -233,7 +234,7 @@ fn ended(interrupted: &AtomicBool, complete: bool) -> ExitCode {
 
 fn speed(arguments: &bench::speed::SpeedArguments) -> Result<ExitCode, Failure> {
     let interrupted = watch_for_interruption(Style::default())?;
-    let page = bench::speed::speed(arguments, &pack::scenes_folder()?, &interrupted)?;
+    let page = bench::speed::speed(arguments, &pack::scenes_folder()?, &Plimsoll, &interrupted)?;
     answer!("report: {}", page.display());
     Ok(ended(&interrupted, true))
 }

@@ -95,7 +95,7 @@ fn trial(path: &Path, overrides: &[(String, String)], spacing: Option<f64>, cap:
             .map(|(outcome, _)| outcome)
             .map_err(|error| error.to_string())
     };
-    let (outcome, _) = in_process::watched(run, cap, &AtomicBool::new(false));
+    let (outcome, _) = studies::watched(run, cap, &AtomicBool::new(false));
     outcome.ok().filter(|outcome| outcome.simulated > 0.0)
 }
 

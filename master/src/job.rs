@@ -34,11 +34,10 @@ impl ReportMetadata {
     /// What a report says of a scene.
     pub fn of(scene: &Scene) -> Self {
         let fluid = scene.fluid.as_ref();
-        let gravity = scene.gravity[0].hypot(scene.gravity[1]);
         Self {
             scheme: fluid.map(|fluid| fluid.scheme.name().to_string()),
             spacing: fluid.map(|fluid| fluid.spacing),
-            water: fluid.map(|fluid| (fluid.density, gravity)),
+            water: checks::water(scene),
             source: scene.source.clone(),
             differs: scene.differs.clone(),
         }

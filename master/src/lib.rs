@@ -1,10 +1,8 @@
 //! Couples FMI 2.0 co-simulation FMUs with implicit iterations, records what they do and reports on it.
 
-pub mod bench;
 pub mod case;
 pub mod checkpoint;
 pub mod command;
-pub mod compare;
 pub mod coupling;
 pub mod direct;
 pub mod estimate;
@@ -15,14 +13,14 @@ pub mod job;
 pub mod log;
 pub mod pack;
 pub mod participant;
+mod program;
 pub mod progress;
 pub mod record;
-pub mod reproduce;
 pub mod run;
 pub mod say;
 pub mod scene_case;
 pub mod stages;
+
 pub mod target;
-pub mod validate;
 pub mod warnings;
 pub mod watch;

@@ -6,7 +6,7 @@ use crate::watch::Reference;
 use components::{GAUGES, MAXIMUM_MODES, PROBES, REGIONS};
 use scene::{Coupling, Freedom, Method, Scene, Scheme};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Name of the fluid FMU in a case made from a scene.
 pub const FLUID: &str = "fluid";
@@ -216,11 +216,6 @@ pub fn is_case(text: &str) -> bool {
         Ok(table) => table.contains_key("fmu"),
         Err(_) => text.lines().any(|line| line.trim_start().starts_with("[[fmu]]")),
     }
-}
-
-/// Name of a scene file without folder and extension.
-pub fn scene_name(path: &Path) -> String {
-    path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 #[cfg(test)]

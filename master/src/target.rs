@@ -31,7 +31,7 @@ impl Target {
             return Self::of_run(&path);
         }
         let path = locate(path, target)?;
-        let (name, text) = (scene_case::scene_name(&path), scene::read_text(&path)?);
+        let (name, text) = (scene::name_of(&path), scene::read_text(&path)?);
         let references = path.parent().unwrap_or(Path::new("")).to_path_buf();
         Ok(Self { name, path, text, references, set: Vec::new() })
     }
@@ -83,8 +83,7 @@ fn locate(path: PathBuf, target: &str) -> Result<PathBuf, Box<dyn Error>> {
     if scene.is_file() {
         return Ok(scene);
     }
-    let names: Vec<String> =
-        pack::files_with(&folder, "toml")?.iter().map(|path| scene_case::scene_name(path)).collect();
+    let names: Vec<String> = pack::files_with(&folder, "toml")?.iter().map(|path| scene::name_of(path)).collect();
     let hint = scene::nearest(target, names.iter().map(String::as_str));
     let hint = hint.map_or_else(String::new, |name| format!("; did you mean '{name}'?"));
     let known = names.join(", ");

@@ -66,6 +66,11 @@ pub fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
+/// Name of a scene file without folder and extension.
+pub fn name_of(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
 /// Parses the text of a document called `name`, with overrides (key path, TOML value). In a key path numbers index
 /// arrays and missing tables are made; below `parameters` the rest of the path is one name, for names of variables
 /// contain dots. A value that is no TOML counts as a string. Lists with entries that nothing reads are refused.

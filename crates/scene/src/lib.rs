@@ -19,7 +19,7 @@ mod warnings;
 mod words;
 
 pub use checks::{Check, CheckKind};
-pub use document::{check_file, file_name, from_toml, line_unless_set, read_file, read_text};
+pub use document::{check_file, file_name, from_toml, line_unless_set, name_of, read_file, read_text};
 pub use error::Error;
 pub use instruments::{Gauge, Probe, Region};
 pub use parse::parse_overrides;

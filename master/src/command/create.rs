@@ -54,7 +54,7 @@ impl Kind {
 
 pub(super) fn create(arguments: &NewArguments) -> Result<ExitCode, Failure> {
     let path = with_extension(&arguments.name);
-    let name = crate::scene_case::scene_name(&path);
+    let name = scene::name_of(&path);
     let wrong = |path: &Path, error: std::io::Error| format!("{} cannot be written: {error}", path.display());
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)

@@ -24,6 +24,12 @@ pub struct Context<'a> {
     pub water: Option<(f64, f64)>,
 }
 
+/// Density \[kg/m3\] and magnitude of gravity \[m/s2\] of a scene's water, if there is any.
+pub fn water(scene: &scene::Scene) -> Option<(f64, f64)> {
+    let gravity = scene.gravity[0].hypot(scene.gravity[1]);
+    scene.fluid.as_ref().map(|fluid| (fluid.density, gravity))
+}
+
 /// Points (time, value) of a check: its variable in its window, offset and scaled; time unscaled.
 pub type Points = Vec<(f64, f64)>;
 

@@ -2,8 +2,8 @@
 
 use super::{Record, Row};
 use crate::bench::machine;
-use crate::record::Error;
 use fluid::StageTimes;
+use report::record::Error;
 use std::path::{Path, PathBuf};
 
 const HEADER: [&str; 14] = [

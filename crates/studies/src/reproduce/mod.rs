@@ -11,7 +11,7 @@ pub mod study;
 
 pub use runs::run;
 
-use crate::record::{Series, Summary};
+use crate::FinishedRun;
 use std::path::PathBuf;
 
 /// What to run again.
@@ -101,17 +101,6 @@ pub struct StudyArguments {
     /// Threads, folder, and what is kept.
     #[command(flatten)]
     pub common: Common,
-}
-
-/// A run and what it gave.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FinishedRun {
-    /// Where it is.
-    pub folder: PathBuf,
-    /// Summary of the run.
-    pub summary: Summary,
-    /// Recorded variables.
-    pub series: Series,
 }
 
 /// One of the paper's models and what its run gave.

@@ -1,7 +1,7 @@
 //! The paper's four cabins: what is run, and the figures that are compared.
 
 use super::Model;
-use crate::record::{Column, Series};
+use report::record::{Column, Series};
 
 /// The models: number, Young's modulus \[Pa\] (infinite: no modes), changes of the scene.
 pub const MODELS: [(&str, f64, &str); 4] = [

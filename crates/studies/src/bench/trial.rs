@@ -2,15 +2,9 @@
 
 use super::machine::processor_seconds;
 use super::plan::Plan;
-use crate::checkpoint::Schedule;
-use crate::in_process;
-use crate::job::ReportMetadata;
-use crate::log::Log;
-use crate::progress::{Progress, Style};
-use crate::record::{CheckResult, Series, Status};
-use crate::run::{self, Outcome};
-use crate::scene_case::{self, FLUID, Places};
+use crate::{Measured, Program, watched};
 use report::checks::{self, Context};
+use report::record::{CheckResult, Series, Status};
 use scene::{CheckKind, Scene, Scheme};
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -104,17 +98,17 @@ pub fn trial(
     scheme: Scheme,
     spacing: f64,
     limits: &Limits,
+    program: &dyn Program,
     interrupted: &AtomicBool,
 ) -> Result<Trial, Box<dyn Error>> {
     let path = std::path::absolute(scenes.join(format!("{}.toml", plan.scene)))?;
     let overrides = overrides(plan, &Scene::from_file(&path)?, scheme, spacing);
     let scene = Scene::from_file_with(&path, &overrides)?;
     let folder = tempfile::tempdir()?;
-    let places = Places { scene: path, fmus: folder.path().to_path_buf(), frames: folder.path().join("frames") };
     let begin = Instant::now();
     let processor = processor_seconds();
-    let run = Timed { scene: &scene, overrides: &overrides, places: &places, threads: limits.threads };
-    let (outcome, capped) = in_process::watched(|stop| run.run(stop), limits.cap, interrupted);
+    let run = |stop: &AtomicBool| program.measure(&scene, &path, &overrides, limits.threads, folder.path(), stop);
+    let (outcome, capped) = watched(run, limits.cap, interrupted);
     let wall = begin.elapsed().as_secs_f64();
     let processor = processor.zip(processor_seconds()).map(|(before, after)| after - before);
     let mut trial = Trial { wall, processor, ..Trial::unmeasured(plan, scheme, spacing, limits.threads) };
@@ -125,9 +119,9 @@ pub fn trial(
             trial.problem = problem(&outcome, capped.then_some(limits.cap), trial.work.particles);
             let context = Context {
                 series: &outcome.series,
-                frames: &places.frames,
+                frames: &folder.path().join("frames"),
                 folder: scenes,
-                water: ReportMetadata::of(&scene).water,
+                water: checks::water(&scene),
             };
             trial.take_errors(plan, &checks::evaluate(&scene.check, &context));
         }
@@ -176,29 +170,7 @@ fn overrides(plan: &Plan, scene: &Scene, scheme: Scheme, spacing: f64) -> Vec<(S
     ]
 }
 
-/// A run to be timed.
-struct Timed<'a> {
-    scene: &'a Scene,
-    overrides: &'a [(String, String)],
-    places: &'a Places,
-    threads: usize,
-}
-
-impl Timed<'_> {
-    fn run(&self, stop: &AtomicBool) -> Result<Outcome, String> {
-        let case = scene_case::case(self.scene, self.overrides, Some(self.threads), self.places);
-        let modes = self.scene.modes().max(components::DEFAULT_MODES);
-        let participants =
-            in_process::participants(&case, modes, &Log::default()).map_err(|error| error.to_string())?;
-        let folder = &self.places.fmus;
-        let mut progress = Progress::new(case.start, case.run.end, Style::Quiet);
-        run::run(&case, participants, folder, Schedule::never(), None, stop, &mut progress)
-            .map(|(outcome, _)| outcome)
-            .map_err(|error| error.to_string())
-    }
-}
-
-fn problem(outcome: &Outcome, cap: Option<f64>, particles: f64) -> String {
+fn problem(outcome: &Measured, cap: Option<f64>, particles: f64) -> String {
     let at = outcome.simulated;
     match (outcome.status, &outcome.error, cap) {
         (Status::Failed, Some(error), _) => format!("failed at {at:.4} s: {error}"),
@@ -212,7 +184,7 @@ fn problem(outcome: &Outcome, cap: Option<f64>, particles: f64) -> String {
 
 /// Sums over the recorded communication steps; the first row is the start, before any step.
 fn work(series: &Series) -> Work {
-    let column = |name: &str| series.column(&format!("{FLUID}.{name}")).map_or(&[][..], |column| &column.values);
+    let column = |name: &str| series.column(&format!("fluid.{name}")).map_or(&[][..], |column| &column.values);
     let (counts, substeps, area) = (column("particles.count"), column("solver.substeps"), column("area"));
     let ends = area.first().zip(area.last()).filter(|(first, _)| **first != 0.0);
     Work {
@@ -229,7 +201,7 @@ fn work(series: &Series) -> Work {
 mod tests {
     use super::*;
     use crate::bench::plan::PLANS;
-    use crate::record::Column;
+    use report::record::Column;
 
     fn result(value: Option<f64>, error: Option<f64>, problem: Option<&str>) -> CheckResult {
         let (unit, source) = ("m".to_string(), String::new());

@@ -2,9 +2,9 @@
 
 use super::cabin::{self, PERIOD, TABLE};
 use super::{FinishedRun, Model, balance};
-use crate::record::Status;
 use maud::{Markup, html};
 use report::html::{self, Failure};
+use report::record::Status;
 use report::{Chart, Curve, FieldFigure, Fields, Quantity, movie};
 use std::path::Path;
 

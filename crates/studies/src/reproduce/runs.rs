@@ -1,14 +1,12 @@
 //! The runs themselves, and the reports made of them.
 
 use super::{
-    CabinArguments, Common, FinishedRun, Model, PaperArguments, Reproduce, StudyArguments, cabin, notes, page, plate,
-    study,
+    CabinArguments, Common, Model, PaperArguments, Reproduce, StudyArguments, cabin, notes, page, plate, study,
 };
-use crate::command::run::{RunArguments, execute};
-use crate::record::{Recipe, Series, Status, Summary};
-use crate::tell;
+use crate::{FinishedRun, Program, Request};
 use maud::html;
 use report::html::{self, Failure};
+use report::record::{Recipe, Series, Status, Summary};
 use report::{Band, prepare_font};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,12 +20,12 @@ const BAND: &str = "reference/dam_break_plate_band.csv";
 ///
 /// # Errors
 /// A run that cannot start, or a page that cannot be written.
-pub fn run(what: &Reproduce, scenes: &Path, interrupted: &AtomicBool) -> Result<(PathBuf, bool), Failure> {
+pub fn run(what: &Reproduce, program: &dyn Program, interrupted: &AtomicBool) -> Result<(PathBuf, bool), Failure> {
     prepare_font();
     match what {
-        Reproduce::Cabin(arguments) => cabins(arguments, interrupted),
-        Reproduce::Paper(arguments) => paper(arguments, scenes, interrupted),
-        Reproduce::Stiffness(arguments) => stiffness(arguments, interrupted),
+        Reproduce::Cabin(arguments) => cabins(arguments, program, interrupted),
+        Reproduce::Paper(arguments) => paper(arguments, program, interrupted),
+        Reproduce::Stiffness(arguments) => stiffness(arguments, program, interrupted),
     }
 }
 
@@ -35,18 +33,26 @@ fn folder(common: &Common, name: &str) -> PathBuf {
     common.out.clone().unwrap_or_else(|| Path::new("results").join(format!("reproduce_{name}")))
 }
 
-fn cabins(arguments: &CabinArguments, interrupted: &AtomicBool) -> Result<(PathBuf, bool), Failure> {
+fn cabins(
+    arguments: &CabinArguments,
+    program: &dyn Program,
+    interrupted: &AtomicBool,
+) -> Result<(PathBuf, bool), Failure> {
     let folder = folder(&arguments.common, "cabin");
     let mut set = vec![format!("fluid.spacing={}", arguments.spacing), format!("run.end={}", arguments.end)];
     set.extend(arguments.variant.changes());
-    let models = models(&set, &folder, &arguments.common, interrupted)?;
+    let models = models(&set, &folder, &arguments.common, program, interrupted)?;
     let others = arguments.against.iter().map(|folder| earlier(folder)).collect::<Result<Vec<_>, _>>()?;
     let section = page::section(&models, &others, &folder)?;
     let text = html::page("The damaged cabin, models I to IV", &html! { (section) (notes::section()) });
     Ok((html::write(&folder, &text)?, models.iter().all(|model| complete(&model.done))))
 }
 
-fn paper(arguments: &PaperArguments, scenes: &Path, interrupted: &AtomicBool) -> Result<(PathBuf, bool), Failure> {
+fn paper(
+    arguments: &PaperArguments,
+    program: &dyn Program,
+    interrupted: &AtomicBool,
+) -> Result<(PathBuf, bool), Failure> {
     let folder = folder(&arguments.common, "paper");
     let end = |set: &mut Vec<String>| set.extend(arguments.end.map(|end| format!("run.end={end}")));
     let mut plates = Vec::new();
@@ -54,20 +60,26 @@ fn paper(arguments: &PaperArguments, scenes: &Path, interrupted: &AtomicBool) ->
         let mut set = vec![format!("fluid.spacing={spacing}")];
         end(&mut set);
         let out = folder.join(format!("plate-{:.0}um", 1e6 * spacing));
-        plates.extend(once(PLATE, set, out, &arguments.common, interrupted)?);
+        plates.extend(once(PLATE, set, out, &arguments.common, program, interrupted)?);
     }
     let mut set = vec![format!("fluid.spacing={}", arguments.spacing)];
     end(&mut set);
-    let models = models(&set, &folder, &arguments.common, interrupted)?;
-    let (first, second) =
-        (plate::section(&plates, Some(band(&scenes.join(BAND))?), &folder)?, page::section(&models, &[], &folder)?);
+    let models = models(&set, &folder, &arguments.common, program, interrupted)?;
+    let (first, second) = (
+        plate::section(&plates, Some(band(&scenes(program)?.join(BAND))?), &folder)?,
+        page::section(&models, &[], &folder)?,
+    );
     let body = html! { (first) h2 { "The damaged cabin" } (second) (notes::section()) };
     let title = "Flooding of a damaged cabin with a flexible bulkhead: the paper's results, reproduced";
     let all = plates.iter().chain(models.iter().map(|model| &model.done)).all(complete);
     Ok((html::write(&folder, &html::page(title, &body))?, all))
 }
 
-fn stiffness(arguments: &StudyArguments, interrupted: &AtomicBool) -> Result<(PathBuf, bool), Failure> {
+fn stiffness(
+    arguments: &StudyArguments,
+    program: &dyn Program,
+    interrupted: &AtomicBool,
+) -> Result<(PathBuf, bool), Failure> {
     let folder = folder(&arguments.common, "stiffness");
     let parts = if arguments.parts.is_empty() { study::Part::ALL.to_vec() } else { arguments.parts.clone() };
     let mut all = Vec::new();
@@ -78,7 +90,7 @@ fn stiffness(arguments: &StudyArguments, interrupted: &AtomicBool) -> Result<(Pa
             set.push("output.interval=0".to_string());
             set.extend(study::changes(&point, repeat));
             let out = folder.join(format!("{:?}-{}-{repeat}", point.part, point.label).to_lowercase());
-            runs.extend(once(CABIN, set, out, &arguments.common, interrupted)?);
+            runs.extend(once(CABIN, set, out, &arguments.common, program, interrupted)?);
         }
         all.push((point, runs));
     }
@@ -92,12 +104,18 @@ fn complete(done: &FinishedRun) -> bool {
 }
 
 /// The four models; fewer when the user ended them.
-fn models(set: &[String], folder: &Path, common: &Common, interrupted: &AtomicBool) -> Result<Vec<Model>, Failure> {
+fn models(
+    set: &[String],
+    folder: &Path,
+    common: &Common,
+    program: &dyn Program,
+    interrupted: &AtomicBool,
+) -> Result<Vec<Model>, Failure> {
     let mut models = Vec::new();
     for (name, youngs_modulus, change) in cabin::MODELS {
         let mut set = set.to_vec();
         set.push(change.to_string());
-        let done = once(CABIN, set, folder.join(format!("model-{name}")), common, interrupted)?;
+        let done = once(CABIN, set, folder.join(format!("model-{name}")), common, program, interrupted)?;
         models.extend(done.map(|done| Model { name, youngs_modulus, done }));
     }
     Ok(models)
@@ -120,6 +138,7 @@ fn once(
     set: Vec<String>,
     out: PathBuf,
     common: &Common,
+    program: &dyn Program,
     interrupted: &AtomicBool,
 ) -> Result<Option<FinishedRun>, Failure> {
     if common.keep
@@ -132,21 +151,21 @@ fn once(
     if interrupted.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    tell!("{}", out.display());
-    let arguments = RunArguments {
-        target: scene.to_string(),
+    program.tell(&out.display().to_string());
+    let request = Request {
+        scene: scene.to_string(),
         set,
-        out: Some(out),
+        out,
         threads: common.threads,
         resume: common.keep,
         overwrite: common.overwrite,
-        ..RunArguments::default()
+        ..Request::default()
     };
-    let (summary, outcome, folder) = execute(&arguments, interrupted)?;
-    if let Some(error) = &summary.error {
-        tell!("error: {}: {error}", folder.display());
+    let done = program.run(&request, interrupted)?;
+    if let Some(error) = &done.summary.error {
+        program.tell(&format!("error: {}: {error}", done.folder.display()));
     }
-    Ok(Some(FinishedRun { folder, summary, series: outcome.series }))
+    Ok(Some(done))
 }
 
 fn load(folder: &Path) -> Result<FinishedRun, Failure> {
@@ -172,4 +191,11 @@ fn band(path: &Path) -> Result<Band, Failure> {
         points.push((row.t_s, 1e3 * row.min_m, 1e3 * row.max_m));
     }
     Ok(Band { label: "published".to_string(), points })
+}
+
+/// The folder of the scenes.
+fn scenes(program: &dyn Program) -> Result<PathBuf, Failure> {
+    let files = program.scenes()?;
+    let folder = files.first().and_then(|file| file.parent());
+    Ok(folder.ok_or("there are no scenes")?.to_path_buf())
 }

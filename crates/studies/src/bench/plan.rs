@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn plans_name_checks_that_their_scenes_have_and_go_from_coarse_to_fine() {
         for plan in PLANS {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenes/{}.toml", plan.scene));
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{}.toml", plan.scene));
             let scene = Scene::from_file(&path).unwrap();
             for figure in plan.figures {
                 let check =

@@ -3,7 +3,7 @@
 use super::Record;
 use super::comparison::Comparison;
 use super::trial::Trial;
-use crate::record::Error;
+use report::record::Error;
 use std::path::Path;
 
 const HEADER: [&str; 20] = [

@@ -1,9 +1,9 @@
 //! `plimsoll compare`: histories of several runs, and of reference tables, over each other.
 
-use crate::record::{Column, Error, Recipe, Series, write_whole};
 use maud::{Markup, html};
 use report::checks::interpolate;
 use report::html::{self, Failure};
+use report::record::{Column, Error, Recipe, Series, write_whole};
 use report::{Chart, Curve, MOST_MARKERS, Short};
 use std::path::{Path, PathBuf};
 

@@ -5,10 +5,10 @@ pub mod measure;
 pub mod page;
 
 use super::machine::{self, Circumstances};
-use crate::record;
-use crate::tell;
+use crate::Program;
 use cases::{Case, FEATURES, FLOWS, Feature, SIZES};
 use measure::{Run, Timing};
+use report::record;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -87,7 +87,12 @@ pub struct Record {
 }
 
 /// Times everything and writes the record; gives the path of its page. The scenes are those of the folder `scenes`.
-pub fn speed(arguments: &SpeedArguments, scenes: &Path, interrupted: &AtomicBool) -> Result<PathBuf, Box<dyn Error>> {
+pub fn speed(
+    arguments: &SpeedArguments,
+    scenes: &Path,
+    program: &dyn Program,
+    interrupted: &AtomicBool,
+) -> Result<PathBuf, Box<dyn Error>> {
     std::fs::create_dir_all(&arguments.out).map_err(|error| record::Error::new(&arguments.out, error))?;
     let before = arguments.against.as_deref().map(page::read).transpose()?.unwrap_or_default();
     let (circumstances, load) = (Circumstances::now(), machine::load());
@@ -108,12 +113,12 @@ pub fn speed(arguments: &SpeedArguments, scenes: &Path, interrupted: &AtomicBool
         let timing = time(case, threads, arguments.repeats, scenes)?;
         let known = before.iter().find(|(name, number, _)| name == case.name && *number == threads);
         let row = Row { name: case.name.to_string(), threads, timing, before: known.map(|(_, _, total)| *total) };
-        tell!("{}, {threads} threads: {:.0} ns per particle-step", row.name, row.total());
+        program.tell(&format!("{}, {threads} threads: {:.0} ns per particle-step", row.name, row.total()));
         record.rows.push(row);
     }
     if !arguments.smoke && !interrupted.load(Ordering::Relaxed) {
         record.features =
-            FEATURES.into_iter().map(|it| cost(it, arguments.repeats, scenes)).collect::<Result<_, _>>()?;
+            FEATURES.into_iter().map(|it| cost(it, arguments.repeats, scenes, program)).collect::<Result<_, _>>()?;
         let plate = FLOWS[2];
         let mut run = Run::new(scenes, plate.scene, plate.changes, 1)?;
         record.passes = Some(run.time_passes(STEPS)?);
@@ -136,7 +141,7 @@ fn time(case: &Case, threads: usize, repeats: u32, scenes: &Path) -> Result<Timi
 }
 
 /// A feature with and without, in turn, on one thread.
-fn cost(feature: Feature, repeats: u32, scenes: &Path) -> Result<FeatureCost, Box<dyn Error>> {
+fn cost(feature: Feature, repeats: u32, scenes: &Path, program: &dyn Program) -> Result<FeatureCost, Box<dyn Error>> {
     let mut cost = FeatureCost { feature, with: f64::INFINITY, without: f64::INFINITY };
     for _ in 0..repeats {
         for (changes, least) in [(feature.with, &mut cost.with), (feature.without, &mut cost.without)] {
@@ -146,6 +151,6 @@ fn cost(feature: Feature, repeats: u32, scenes: &Path) -> Result<FeatureCost, Bo
             *least = least.min(timing.per_particle_step(timing.wall));
         }
     }
-    tell!("{}: {:.0} ns with, {:.0} ns without", feature.name, cost.with, cost.without);
+    program.tell(&format!("{}: {:.0} ns with, {:.0} ns without", feature.name, cost.with, cost.without));
     Ok(cost)
 }

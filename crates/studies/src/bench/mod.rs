@@ -10,11 +10,11 @@ pub mod sheet;
 pub mod speed;
 pub mod trial;
 
-use crate::record;
-use crate::tell;
+use crate::Program;
 use comparison::Comparison;
 use plan::Plan;
 use report::machine::{self, Circumstances};
+use report::record;
 use report::{Short, prepare_font};
 use scene::{Scene, Scheme};
 use std::error::Error;
@@ -119,6 +119,7 @@ pub struct Record {
 pub fn accuracy(
     arguments: &AccuracyArguments,
     scenes: &Path,
+    program: &dyn Program,
     interrupted: &AtomicBool,
 ) -> Result<PathBuf, Box<dyn Error>> {
     let plans = arguments.plans()?;
@@ -126,7 +127,7 @@ pub fn accuracy(
     let (circumstances, before) = (Circumstances::now(), machine::load());
     let mut comparisons = Vec::new();
     for plan in plans {
-        comparisons.push(compare(plan, arguments, scenes, interrupted)?);
+        comparisons.push(compare(plan, arguments, scenes, program, interrupted)?);
         if interrupted.load(Ordering::Relaxed) {
             break;
         }
@@ -142,6 +143,7 @@ fn compare(
     plan: Plan,
     arguments: &AccuracyArguments,
     scenes: &Path,
+    program: &dyn Program,
     interrupted: &AtomicBool,
 ) -> Result<Comparison, Box<dyn Error>> {
     let scene = Scene::from_file(&scenes.join(format!("{}.toml", plan.scene)))?;
@@ -151,8 +153,8 @@ fn compare(
         let first = comparison.trials.len();
         for repeat in 0..arguments.repeats {
             for (index, scheme) in arguments.schemes.iter().enumerate() {
-                let trial = trial::trial(&plan, scenes, *scheme, spacing, &limits, interrupted)?;
-                say(&plan, &trial);
+                let trial = trial::trial(&plan, scenes, *scheme, spacing, &limits, program, interrupted)?;
+                program.tell(&line(&plan, &trial));
                 if repeat == 0 {
                     comparison.trials.push(trial);
                 } else {
@@ -168,11 +170,11 @@ fn compare(
 }
 
 /// One line on the terminal per run.
-fn say(plan: &Plan, trial: &trial::Trial) {
+fn line(plan: &Plan, trial: &trial::Trial) -> String {
     let error = trial.errors[0].map_or_else(|| "-".to_string(), |error| Short(error).to_string());
     let (scheme, problem) = (trial.scheme.name(), &trial.problem);
     let times = format!("{:.2} s, processor {:.2} s", trial.wall, trial.seconds());
-    tell!("{} {scheme} {} m: error {error}, {times} {problem}", plan.scene, trial.spacing);
+    format!("{} {scheme} {} m: error {error}, {times} {problem}", plan.scene, trial.spacing)
 }
 
 fn write(record: &Record, folder: &Path) -> Result<PathBuf, Box<dyn Error>> {

@@ -1,12 +1,9 @@
 //! `plimsoll validate`: scenes one after the other, and one dated record of the figures that they ask of themselves.
 
-use crate::command::run::{RunArguments, execute};
-use crate::progress::Style;
-use crate::record::{CheckResult, Status, Summary, write_whole};
-use crate::{pack, scene_case, tell};
+use crate::{Failure, Program, Request};
 use report::machine::{self, Circumstances};
+use report::record::{CheckResult, Status, Summary, write_whole};
 use report::{Short, number};
-use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -52,8 +49,12 @@ struct Trial {
 ///
 /// # Errors
 /// No scenes, or a record that cannot be written. A scene that does not run is a line of the record.
-pub fn validate(arguments: &ValidateArguments, interrupted: &AtomicBool) -> Result<Validation, Box<dyn Error>> {
-    let scenes = if arguments.scenes.is_empty() { all_scenes()? } else { arguments.scenes.clone() };
+pub fn validate(
+    arguments: &ValidateArguments,
+    program: &dyn Program,
+    interrupted: &AtomicBool,
+) -> Result<Validation, Failure> {
+    let scenes = if arguments.scenes.is_empty() { all_scenes(program)? } else { arguments.scenes.clone() };
     let record = arguments.record.clone().unwrap_or_else(|| arguments.out.join("record.md"));
     let (circumstances, load) = (Circumstances::now(), machine::load());
     let mut trials = Vec::new();
@@ -61,8 +62,8 @@ pub fn validate(arguments: &ValidateArguments, interrupted: &AtomicBool) -> Resu
         if interrupted.load(Ordering::Relaxed) {
             break;
         }
-        let trial = run(scene, arguments, interrupted);
-        tell!("{:24} {}", trial.scene, trial.verdict());
+        let trial = run(scene, arguments, program, interrupted);
+        program.tell(&format!("{:24} {}", trial.scene, trial.verdict()));
         trials.push(trial);
         if let Some(folder) = record.parent() {
             std::fs::create_dir_all(folder)?;
@@ -73,25 +74,22 @@ pub fn validate(arguments: &ValidateArguments, interrupted: &AtomicBool) -> Resu
     Ok(Validation { record, complete, missed: trials.iter().map(|trial| trial.missed().len()).sum() })
 }
 
-fn all_scenes() -> Result<Vec<String>, Box<dyn Error>> {
-    let files = pack::files_with(&pack::scenes_folder()?, "toml")?;
-    Ok(files.iter().map(|path| scene_case::scene_name(path)).collect())
+fn all_scenes(program: &dyn Program) -> Result<Vec<String>, Failure> {
+    Ok(program.scenes()?.iter().map(|path| scene::name_of(path)).collect())
 }
 
-fn run(scene: &str, arguments: &ValidateArguments, interrupted: &AtomicBool) -> Trial {
-    let name = scene_case::scene_name(Path::new(scene));
-    let run = RunArguments {
-        target: scene.to_string(),
-        // Frames and pictures of 26 runs are a gigabyte; what a figure needs is in the series.
-        set: vec!["output.plot=[]".to_string()],
+fn run(scene: &str, arguments: &ValidateArguments, program: &dyn Program, interrupted: &AtomicBool) -> Trial {
+    let name = scene::name_of(Path::new(scene));
+    let request = Request {
+        scene: scene.to_string(),
         quick: arguments.quick,
-        out: Some(arguments.out.join(&name)),
+        out: arguments.out.join(&name),
         threads: arguments.threads,
         overwrite: true,
-        log: Style::Quiet,
-        ..RunArguments::default()
+        quiet: true,
+        ..Request::default()
     };
-    let outcome = execute(&run, interrupted).map(|(summary, ..)| summary).map_err(|error| error.to_string());
+    let outcome = program.run(&request, interrupted).map(|run| run.summary).map_err(|error| error.to_string());
     Trial { scene: name, outcome }
 }
 

@@ -1,6 +1,6 @@
 //! What the whole system keeps: energy and momentum of water and cabin, from the recorded variables.
 
-use crate::record::Series;
+use report::record::Series;
 
 /// Energy of water and cabin over time \[J/m\]; empty where a part was not recorded.
 pub fn energy(series: &Series) -> Vec<(f64, f64)> {
@@ -41,7 +41,7 @@ pub fn momentum_along_x(series: &Series, until: f64) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::Column;
+    use report::record::Column;
 
     #[test]
     fn a_rise_is_counted_from_the_lowest_before() {
