@@ -1,7 +1,7 @@
 //! What the parts of a scene mean to the numerics.
 
 use crate::Error;
-use kinematics::{BeamModes, Body};
+use kinematics::{BeamModes, Body, BodySet, CoordinateLayout, Part};
 use nalgebra::{Matrix2, Vector2};
 use scene::{Beam, Freedom, Point, Scene, Structure, Wall};
 
@@ -50,19 +50,17 @@ pub fn initial_modes(scene: &Scene) -> Vec<f64> {
     initial
 }
 
-/// The moving body; none in a scene of the fluid alone.
-pub fn body(scene: &Scene) -> Result<Option<Body>, Error> {
-    let Some(structure) = &scene.structure else { return Ok(None) };
-    let beam = match &structure.beam {
-        None => None,
-        Some(beam) => {
-            Some(kinematics::Beam { middle: vector(beam.middle), thickness: beam.thickness, modes: beam_modes(beam)? })
-        }
+/// The moving bodies; none in a scene of the fluid alone.
+pub fn bodies(scene: &Scene) -> Result<BodySet, Error> {
+    let Some(structure) = &scene.structure else { return Ok(BodySet::default()) };
+    let member = |beam: &scene::Beam| -> Result<kinematics::Beam, Error> {
+        Ok(kinematics::Beam { middle: vector(beam.middle), thickness: beam.thickness, modes: beam_modes(beam)? })
     };
+    let members = structure.beam.iter().map(member).collect::<Result<_, _>>()?;
     let walls = structure.wall.iter().map(polyline).collect();
-    let body = Body { origin: vector(structure.origin), angle: structure.angle, walls, beam };
+    let body = Body { origin: vector(structure.origin), angle: structure.angle, walls, members };
     body.validate()?;
-    Ok(Some(body))
+    Ok(body.into())
 }
 
 /// Parameters of the structure's solver.
@@ -76,30 +74,30 @@ pub fn structure(scene: &Scene) -> Result<structure::Parameters, Error> {
             expected: "[0, -g] in a scene with a structure: its weight acts along -Y".to_string(),
         });
     }
-    let beam = match &structure.beam {
-        None => None,
-        Some(beam) => {
-            let mut damping_ratios = beam.damping.clone();
-            damping_ratios.resize(beam.modes, 0.0);
-            Some(structure::BeamParameters {
-                modes: beam_modes(beam)?,
-                middle: vector(beam.middle),
-                bending_stiffness: beam.bending_stiffness(),
-                deflection_limit: beam.deflection_limit() * beam.length,
-                damping_ratios,
-            })
-        }
+    let member = |beam: &scene::Beam| -> Result<structure::BeamParameters, Error> {
+        let mut damping_ratios = beam.damping.clone();
+        damping_ratios.resize(beam.modes, 0.0);
+        Ok(structure::BeamParameters {
+            modes: beam_modes(beam)?,
+            middle: vector(beam.middle),
+            bending_stiffness: beam.bending_stiffness(),
+            deflection_limit: beam.deflection_limit() * beam.length,
+            damping_ratios,
+        })
     };
     let freedoms = [Freedom::X, Freedom::Y, Freedom::Theta];
-    Ok(structure::Parameters {
+    let body = structure::BodyParameters {
         rigid_mass: structure.mass,
         rigid_inertia: structure.inertia,
-        gravity: -scene.gravity[1],
         angle: structure.angle,
-        beam,
+        members: structure.beam.iter().map(member).collect::<Result<_, _>>()?,
         free: freedoms.map(|freedom| structure.free.contains(&freedom)),
         springs: structure.springs,
         contact: contact(scene, structure),
+    };
+    Ok(structure::Parameters {
+        bodies: vec![body],
+        gravity: -scene.gravity[1],
         integrator: integrator(structure),
         tolerance: 1e-11,
         maximum_iterations: 20,
@@ -144,11 +142,12 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
             expected: "[0.0, 0.0] in a scene with a structure: only water would feel the shaking".to_string(),
         });
     }
+    let bodies = bodies(scene)?;
     let geometry = fluid::Geometry {
         water: part.water.iter().map(|water| vectors(&water.polygon)).collect(),
         fixed_walls: part.wall.iter().map(polyline).collect(),
-        body: body(scene)?,
-        active: active(scene),
+        active: active(scene, bodies.layout()),
+        bodies,
         probes: part.probe.iter().flat_map(probes).collect(),
         regions: part.region.iter().map(region).collect(),
         start: start(&part.start),
@@ -172,21 +171,26 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
     Ok((parameters, geometry))
 }
 
-/// Coordinates that answer to the load: the free ones of the rigid part, and the modes.
-fn active(scene: &Scene) -> Vec<usize> {
-    let free = |freedom| scene.structure.as_ref().is_some_and(|structure| structure.free.contains(freedom));
-    let rigid = [Freedom::X, Freedom::Y, Freedom::Theta].iter().enumerate().filter(|(_, freedom)| free(freedom));
-    let modes = kinematics::RIGID..kinematics::RIGID + scene.modes();
-    rigid.map(|(index, _)| index).chain(modes).collect()
+/// Coordinates that answer to the load: the free ones of the rigid parts, and the modes.
+fn active(scene: &Scene, layout: &CoordinateLayout) -> Vec<usize> {
+    let free = |freedom| scene.structure.as_ref().is_some_and(|structure| structure.free.contains(&freedom));
+    let answers = |part| match part {
+        Part::X => free(Freedom::X),
+        Part::Y => free(Freedom::Y),
+        Part::Theta => free(Freedom::Theta),
+        Part::Mode { .. } => true,
+    };
+    let all = layout.coordinates().enumerate();
+    all.filter(|(_, coordinate)| answers(coordinate.part)).map(|(index, _)| index).collect()
 }
 
 fn probes(probe: &scene::Probe) -> impl Iterator<Item = fluid::Probe> {
-    let on_body = probe.on_body;
+    let on_body = probe.on_body.then_some(0);
     vectors(&probe.points()).into_iter().map(move |place| fluid::Probe { place, on_body })
 }
 
 fn region(region: &scene::Region) -> fluid::Region {
-    fluid::Region { polygon: vectors(&region.polygon), on_body: region.on_body }
+    fluid::Region { polygon: vectors(&region.polygon), on_body: region.on_body.then_some(0) }
 }
 
 fn damping(zone: &scene::DampingZone) -> fluid::DampingZone {
@@ -216,9 +220,9 @@ mod tests {
     #[test]
     fn missing_entries_are_filled_and_freedoms_are_in_order() {
         let parameters = structure(&scene(SCENE)).unwrap();
-        assert_eq!(parameters.free, [false, true, true]);
-        assert_eq!((parameters.gravity, parameters.angle), (9.81, 0.1));
-        let beam = parameters.beam.unwrap();
+        assert_eq!(parameters.bodies[0].free, [false, true, true]);
+        assert_eq!((parameters.gravity, parameters.bodies[0].angle), (9.81, 0.1));
+        let beam = &parameters.bodies[0].members[0];
         assert_eq!(beam.damping_ratios, [0.01, 0.0, 0.0]);
         // E h^3 / (12 (1 - nu^2)) = 144 / 0.91 / 1000.
         assert!((beam.bending_stiffness - 0.144 / 0.91).abs() < 1e-15);
@@ -232,7 +236,7 @@ mod tests {
         assert_eq!(geometry.fixed_walls[0].first(), geometry.fixed_walls[0].last());
         assert_eq!(geometry.fixed_walls[0].len(), 4);
         assert_eq!(geometry.probes.len(), 3);
-        assert_eq!(geometry.body.unwrap().modes(), 3);
+        assert_eq!(geometry.bodies.bodies()[0].modes(), 3);
     }
 
     #[test]

@@ -6,7 +6,7 @@ mod table;
 
 use crate::interface::{COORDINATES, LOAD_ACCELERATION, MotionValues, coordinate, finite};
 use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
-use crate::{Error, LOAD, VELOCITY, conversion};
+use crate::{Error, LOAD, VELOCITY};
 use fluid::Observables;
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::MAXIMUM_MODES;
@@ -117,11 +117,6 @@ impl FluidComponent {
         let mut runtime = Runtime::new(Arc::clone(&scene), self.modes, &self.state.parameters.common, start)?;
         let mut state = runtime.solver.initial_state();
         state.time = start;
-        for (entry, value) in
-            state.motion.position.iter_mut().skip(kinematics::RIGID).zip(conversion::initial_modes(&scene))
-        {
-            *entry = value;
-        }
         state.motion.position.copy_from_slice(&self.state.motion.position[..state.motion.position.len()]);
         runtime.solver.begin(&mut state, runtime.workspace.get_mut())?;
         self.observed = OnceCell::new();
@@ -212,7 +207,7 @@ impl Component for FluidComponent {
             return Err(not_initialised());
         };
         runtime.write_due(&progress.state, time, &mut self.seconds.output)?;
-        let end = self.state.motion.motion(runtime.solver.modes());
+        let end = self.state.motion.motion(progress.state.motion.size());
         progress.state.time = time;
         let report = runtime
             .solver

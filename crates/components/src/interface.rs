@@ -34,10 +34,9 @@ pub struct MotionValues {
 }
 
 impl MotionValues {
-    /// The first coordinates as a motion with this number of modes.
-    pub fn motion(&self, modes: usize) -> Motion {
-        let mut motion = Motion::at_rest(modes);
-        let size = RIGID + modes;
+    /// The first coordinates, this number of them, as a motion.
+    pub fn motion(&self, size: usize) -> Motion {
+        let mut motion = Motion::zeros(size);
         motion.position.copy_from_slice(&self.position[..size]);
         motion.velocity.copy_from_slice(&self.velocity[..size]);
         motion.acceleration.copy_from_slice(&self.acceleration[..size]);
@@ -51,7 +50,7 @@ impl MotionValues {
         finite(&format!("{name}.acceleration"), &self.acceleration)
     }
 
-    /// A motion with any number of modes; the rest is zero.
+    /// A motion with any number of coordinates; the rest is zero.
     pub fn from_motion(motion: &Motion) -> Self {
         let mut values = Self::default();
         let size = motion.position.len();

@@ -8,7 +8,7 @@ use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
 use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion};
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use frames::{Field, Frame, Line, Series, single};
-use kinematics::{Body, MAXIMUM_MODES, Motion, RIGID};
+use kinematics::{Beam, BodySet, MAXIMUM_MODES, Motion, SurfacePoint};
 use nalgebra::{DMatrix, DVector};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,7 @@ pub struct State {
 /// What follows from the scene and needs no saving.
 struct Runtime {
     scene: Arc<Scene>,
-    body: Body,
+    bodies: BodySet,
     solver: structure::Solver,
     workspace: structure::Workspace,
     series: Option<Series>,
@@ -99,9 +99,8 @@ impl Runtime {
             return Err(Error::TooMany { what: "modes of the beam", got: modes, limit, hint });
         }
         let solver = structure::Solver::new(conversion::structure(&scene)?)?;
-        let missing = || Error::MissingPart { title: scene.title.clone(), part: "structure" };
-        let body = conversion::body(&scene)?.ok_or_else(missing)?;
-        Ok(Self { body, workspace: solver.workspace(), solver, series, scene })
+        let bodies = conversion::bodies(&scene)?;
+        Ok(Self { bodies, workspace: solver.workspace(), solver, series, scene })
     }
 
     /// Whether this was made for a scene that is the same to the structure.
@@ -111,16 +110,16 @@ impl Runtime {
 
     /// Mean load of the step: what the fluid gives, and the constant load of the scene.
     fn load(&self, input: &[f64; COORDINATES]) -> Vec<f64> {
-        let mut load = input[..RIGID + self.body.modes()].to_vec();
+        let mut load = input[..self.bodies.layout().size()].to_vec();
         let constant = self.scene.structure.as_ref().map_or(&[][..], |structure| &structure.constant_load);
         load.iter_mut().zip(constant).for_each(|(load, constant)| *load += constant);
         load
     }
 
     fn outputs(&self, state: &structure::State, report: &structure::Report) -> Outputs {
-        let length = self.body.beam.as_ref().map_or(0.0, |beam| beam.modes.length());
+        let length = self.bodies.bodies()[0].members.first().map_or(0.0, |beam| beam.modes.length());
         // The solver's eta is positive along -x of the body.
-        let deflection = |station: f64| -self.solver.deflection(state, station);
+        let deflection = |station: f64| -self.solver.deflection(state, 0, 0, station);
         Outputs {
             motion: MotionValues::from_motion(&state.motion),
             middle: deflection(0.5 * length),
@@ -135,15 +134,15 @@ impl Runtime {
 
     /// The outline as it stands, with its displacement from the scene's pose.
     fn frame(&self, motion: &Motion) -> Frame {
-        let rest = Motion::at_rest(self.body.modes());
+        let rest = self.bodies.at_rest();
         let (mut frame, mut displacement) = (Frame::default(), Vec::new());
-        for panel in self.body.panels(self.longest_panel()) {
+        for (body, panel) in self.bodies.panels(self.longest_panel()) {
             let first = frame.points.len() as u64;
             frame.lines.push([first, first + 1]);
-            for point in panel.ends {
-                let place = self.body.position(point, motion);
+            for at in panel.ends.map(|point| SurfacePoint { body, point }) {
+                let place = self.bodies.position(at, motion);
                 frame.points.push(single(&place));
-                displacement.push(single(&(place - self.body.position(point, &rest))));
+                displacement.push(single(&(place - self.bodies.position(at, &rest))));
             }
         }
         frame.fields.push(Field::Vector("displacement", displacement));
@@ -152,10 +151,11 @@ impl Runtime {
 
     /// Panels of a beam are fine enough to show it bent; a long wall beside a thin beam is not cut into more than 1e5.
     fn longest_panel(&self) -> f64 {
-        let Some(beam) = &self.body.beam else { return f64::INFINITY };
-        let pieces = self.body.walls.iter().flat_map(|wall| wall.windows(2));
+        let bodies = self.bodies.bodies();
+        let pieces = bodies.iter().flat_map(|body| &body.walls).flat_map(|wall| wall.windows(2));
         let walls: f64 = pieces.map(|pair| (pair[1] - pair[0]).norm()).sum();
-        (0.25 * beam.thickness).max(beam.modes.length() / 100.0).max(1e-5 * walls)
+        let fine = |beam: &Beam| (0.25 * beam.thickness).max(beam.modes.length() / 100.0).max(1e-5 * walls);
+        bodies.iter().flat_map(|body| &body.members).map(fine).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -167,7 +167,7 @@ impl Runtime {
 pub fn structure_set_up(scene: &Scene) -> Result<(usize, Vec<Line>), Error> {
     let Some(structure) = &scene.structure else { return Ok((0, Vec::new())) };
     let runtime = Runtime::new(Arc::new(scene.clone()), MAXIMUM_MODES, None)?;
-    let frame = runtime.frame(&Motion::at_rest(runtime.body.modes()));
+    let frame = runtime.frame(&runtime.bodies.at_rest());
     let lines = frame.lines.iter().map(|ends| ends.map(|end| frame.points[end as usize])).collect();
     Ok((structure.free.len() + scene.modes(), lines))
 }

@@ -3,7 +3,6 @@
 
 use divan::Bencher;
 use fluid::{Geometry, Parameters, SolveParameters, Solver, Stages, State};
-use kinematics::Motion;
 use nalgebra::Vector2;
 
 /// Particles.
@@ -32,7 +31,7 @@ fn column(count: usize) -> Option<(Solver, State, f64)> {
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let time_step = 0.1 * (spacing / 9.81).sqrt();
     for _ in 0..10 {
-        solver.step(&mut state, &Motion::at_rest(0), time_step, &mut workspace).ok()?;
+        solver.step(&mut state, &solver.at_rest(), time_step, &mut workspace).ok()?;
     }
     Some((solver, state, time_step))
 }

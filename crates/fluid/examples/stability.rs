@@ -5,7 +5,6 @@
 //! smoothing, tolerance.
 
 use fluid::{Geometry, Parameters, Scheme, SolveParameters, Solver, State, VoronoiParameters};
-use kinematics::Motion;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -262,7 +261,7 @@ fn execute(run: &Run) -> Result<Figures, fluid::Error> {
     let samples = (run.share * SAMPLES as f64) as usize;
     let duration = run.share * outline.duration / samples as f64;
     for _ in 0..samples {
-        match solver.step(&mut state, &Motion::at_rest(0), duration, &mut workspace) {
+        match solver.step(&mut state, &solver.at_rest(), duration, &mut workspace) {
             Ok(report) => figures.iterations += report.iterations,
             Err(error) => {
                 figures.failure = Some(error.to_string());

@@ -5,7 +5,6 @@
 //! where the time went, in nanoseconds per particle and internal step.
 
 use fluid::{Geometry, Parameters, SolveParameters, Solver, StageTimes};
-use kinematics::Motion;
 use nalgebra::Vector2;
 
 fn points(list: &[(f64, f64)]) -> Vec<Vector2<f64>> {
@@ -39,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let threads: usize = arguments.next().map_or(Ok(0), |text| text.parse())?;
     let solver = Solver::new(parameters(spacing, threads), geometry(&case))?;
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
-    let still = Motion::at_rest(0);
+    let still = solver.at_rest();
     println!("time [s], internal steps, front [m], floor pressure [Pa], kinetic energy [J/m], potential energy [J/m]");
     let (mut stages, mut iterations) = (StageTimes::default(), 0);
     for _ in 0..100 {

@@ -107,11 +107,8 @@ fn sums(problem: &Problem, state: &State) -> Sums {
 }
 
 /// Where a place of the scene's pose is now.
-fn stands(problem: &Problem, state: &State, place: &Vector2<f64>, on_body: bool) -> Vector2<f64> {
-    match &problem.geometry.body {
-        Some(body) if on_body => body.carry(place, &state.motion.position),
-        _ => *place,
-    }
+fn stands(problem: &Problem, state: &State, place: &Vector2<f64>, on_body: Option<usize>) -> Vector2<f64> {
+    on_body.map_or(*place, |body| problem.geometry.bodies.carry(body, place, &state.motion.position))
 }
 
 /// Pressure at a probe \[Pa\].

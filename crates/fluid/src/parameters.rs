@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::linear::SolveParameters;
 use keys::keys;
-use kinematics::Body;
+use kinematics::BodySet;
 use nalgebra::{Matrix2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -175,13 +175,13 @@ keys! {
 pub struct Probe {
     /// Place in the scene's pose \[m\].
     pub place: Vector2<f64>,
-    /// Whether it moves with the body.
-    pub on_body: bool,
+    /// The body that it moves with, by its index; none for the scene.
+    pub on_body: Option<usize>,
 }
 
 impl From<Vector2<f64>> for Probe {
     fn from(place: Vector2<f64>) -> Self {
-        Self { place, on_body: false }
+        Self { place, on_body: None }
     }
 }
 
@@ -190,8 +190,8 @@ impl From<Vector2<f64>> for Probe {
 pub struct Region {
     /// Corners in the scene's pose \[m\].
     pub polygon: Vec<Vector2<f64>>,
-    /// Whether it moves with the body.
-    pub on_body: bool,
+    /// The body that it moves with, by its index; none for the scene.
+    pub on_body: Option<usize>,
 }
 
 /// What there is besides numbers. Coordinates in metres.
@@ -205,9 +205,9 @@ pub struct Geometry {
     pub jitter: Jitter,
     /// Fixed walls, fluid on the left when walked along.
     pub fixed_walls: Vec<Vec<Vector2<f64>>>,
-    /// The moving body.
-    pub body: Option<Body>,
-    /// Generalised coordinates of the body that answer to the load. Only these have an added mass.
+    /// The moving bodies.
+    pub bodies: BodySet,
+    /// Generalised coordinates that answer to the load. Only these have an added mass.
     pub active: Vec<usize>,
     /// Points where the pressure is reported.
     pub probes: Vec<Probe>,

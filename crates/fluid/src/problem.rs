@@ -3,7 +3,6 @@
 use crate::parameters::{Geometry, Parameters};
 use crate::walls::gaps::{self, ClosedGap};
 use crate::walls::{BodyContact, WallLayout, Walls};
-use kinematics::Motion;
 use nalgebra::DVector;
 
 /// What stays the same over all internal steps of a solver.
@@ -26,33 +25,34 @@ impl Problem {
     pub fn new(parameters: Parameters, geometry: Geometry, spacing: f64, reach: f64) -> Self {
         let layout = WallLayout::new(&geometry, spacing);
         let mut problem = Self { parameters, geometry, layout, gaps: Vec::new(), spacing, reach };
-        let walls = problem.walls(&Motion::at_rest(problem.modes()).position);
+        let walls = problem.walls(&problem.geometry.bodies.at_rest().position);
         (problem.layout, problem.gaps) = gaps::close(&problem.layout, &walls, spacing);
         problem
     }
 
-    /// Number of modes of the body; 0 without one.
-    pub fn modes(&self) -> usize {
-        self.geometry.body.as_ref().map_or(0, |body| body.modes())
+    /// Number of coordinates of all bodies.
+    pub fn coordinates(&self) -> usize {
+        self.geometry.bodies.layout().size()
     }
 
-    /// Walls at the start as they are drawn, and what of the body must not meet the fixed ones.
+    /// Walls at the start as they are drawn, and what of the bodies must not meet the fixed ones.
     pub fn drawn(&self) -> (Walls, BodyContact) {
         let layout = WallLayout::new(&self.geometry, self.spacing);
-        let walls = self.place(&layout, &Motion::at_rest(self.modes()).position);
+        let walls = self.place(&layout, &self.geometry.bodies.at_rest().position);
         let contact = BodyContact::new(&layout.panels, &walls, self.spacing);
         (walls, contact)
     }
 
-    /// Walls with the body at `coordinates`.
+    /// Walls with the bodies at `coordinates`.
     pub fn walls(&self, coordinates: &DVector<f64>) -> Walls {
         self.place(&self.layout, coordinates)
     }
 
     fn place(&self, layout: &WallLayout, coordinates: &DVector<f64>) -> Walls {
         let mut walls = Walls::default();
-        let body = self.geometry.body.as_ref().map(|body| (body, coordinates));
-        walls.place(layout, body, self.reach, self.spacing);
+        let bodies = &self.geometry.bodies;
+        let at = (!bodies.is_empty()).then_some((bodies, coordinates));
+        walls.place(layout, at, self.reach, self.spacing);
         walls
     }
 }

@@ -58,6 +58,7 @@ impl Solver {
         parameters.validate()?;
         geometry.jitter.validate()?;
         check::is_of_bearable_size(&geometry, parameters.spacing)?;
+        check::instruments_have_bodies(&geometry)?;
         check::walls_are_sound(&geometry, parameters.spacing)?;
         let mut filling = fill::fill(&geometry.water, parameters.spacing)?;
         let discretisation = discretisation(&parameters.scheme, filling.cell)?;
@@ -84,9 +85,9 @@ impl Solver {
         Ok(Self { problem, discretisation, contact, start: positions, areas, domain, pool })
     }
 
-    /// Number of modes of the body; 0 without one.
-    pub fn modes(&self) -> usize {
-        self.problem.modes()
+    /// The bodies at rest in the scene's pose.
+    pub fn at_rest(&self) -> Motion {
+        self.problem.geometry.bodies.at_rest()
     }
 
     /// Corners at which a gap too narrow for a particle was closed, and its width \[m\].
@@ -107,15 +108,15 @@ impl Solver {
     /// The water at rest, as the geometry says.
     pub fn initial_state(&self) -> State {
         let count = self.start.len();
-        let modes = self.modes();
+        let size = self.problem.coordinates();
         let mut state = State {
             time: 0.0,
             steps: 0,
             time_step: 0.0,
-            motion: Motion::at_rest(modes),
-            load: vec![0.0; kinematics::RIGID + modes],
-            acceleration: vec![0.0; kinematics::RIGID + modes],
-            added_mass: vec![0.0; (kinematics::RIGID + modes).pow(2)],
+            motion: self.at_rest(),
+            load: vec![0.0; size],
+            acceleration: vec![0.0; size],
+            added_mass: vec![0.0; size * size],
             positions: self.start.clone(),
             velocities: self.start.iter().map(|place| self.problem.geometry.start.at(place)).collect(),
             pressures: vec![0.0; count],
@@ -134,7 +135,7 @@ impl Solver {
         Workspace {
             discretisation: self.discretisation.fresh(),
             candidate: None,
-            target: Motion::at_rest(self.modes()),
+            target: self.at_rest(),
             order: Order::default(),
         }
     }
@@ -273,34 +274,32 @@ impl Solver {
         if parameters.attraction != 0.0 {
             acceleration = parallel::maximum(state.positions.len(), acceleration, |i| force(&state.positions[i]));
         }
-        if let Some(body) = &self.problem.geometry.body {
-            for point in self.problem.layout.panels.iter().flatten() {
-                speed = speed.max(body.velocity(*point, &state.motion).norm());
-                acceleration = acceleration.max(body.acceleration(*point, &state.motion).norm());
-            }
+        let bodies = &self.problem.geometry.bodies;
+        for point in self.problem.layout.panels.iter().flatten() {
+            speed = speed.max(bodies.velocity(*point, &state.motion).norm());
+            acceleration = acceleration.max(bodies.acceleration(*point, &state.motion).norm());
         }
         Limits { spacing: self.problem.spacing, stability: self.discretisation.stability(), speed, acceleration }
     }
 
     /// The same limits with the speed of the walls on the way to `end` and there.
     fn limits_towards(&self, mut limits: Limits, state: &State, end: &Motion, left: f64) -> Result<Limits, Error> {
-        if let Some(body) = &self.problem.geometry.body {
-            self.contact.check(body, end, state.time)?;
-            for point in self.problem.layout.panels.iter().flatten() {
-                let place = body.position(*point, end);
-                self.check_inside(&place, state.time)?;
-                let travelled = (place - body.position(*point, &state.motion)).norm() / left;
-                limits.speed = limits.speed.max(travelled).max(body.velocity(*point, end).norm());
-            }
+        let bodies = &self.problem.geometry.bodies;
+        self.contact.check(bodies, end, state.time)?;
+        for point in self.problem.layout.panels.iter().flatten() {
+            let place = bodies.position(*point, end);
+            self.check_inside(&place, state.time)?;
+            let travelled = (place - bodies.position(*point, &state.motion)).norm() / left;
+            limits.speed = limits.speed.max(travelled).max(bodies.velocity(*point, end).norm());
         }
         Ok(limits)
     }
 
-    /// Refuses a motion that takes the body out of the domain.
+    /// Refuses a motion that takes a body out of the domain.
     pub(crate) fn check_body_inside(&self, motion: &Motion, time: f64) -> Result<(), Error> {
-        let Some(body) = &self.problem.geometry.body else { return Ok(()) };
+        let bodies = &self.problem.geometry.bodies;
         let mut points = self.problem.layout.panels.iter().flatten();
-        points.try_for_each(|point| self.check_inside(&body.position(*point, motion), time))
+        points.try_for_each(|point| self.check_inside(&bodies.position(*point, motion), time))
     }
 
     fn check_inside(&self, place: &Vector2<f64>, time: f64) -> Result<(), Error> {
@@ -347,7 +346,7 @@ mod tests {
         let walls = vec![[(0.3, 0.3), (0.3, 0.6), (0.6, 0.6), (0.6, 0.3), (0.3, 0.3)].map(point).to_vec()];
         let geometry = Geometry {
             water: vec![[(0.0, 0.0), (1.0, 0.0), (1.0, 0.2), (0.0, 0.2)].map(point).to_vec()],
-            body: Some(Body { origin: Vector2::zeros(), angle: 0.0, walls, beam: None }),
+            bodies: Body { origin: Vector2::zeros(), angle: 0.0, walls, members: Vec::new() }.into(),
             active: if free { vec![1] } else { Vec::new() },
             ..Geometry::default()
         };

@@ -59,7 +59,7 @@ impl Clone for State {
             time: 0.0,
             steps: 0,
             time_step: 0.0,
-            motion: Motion::at_rest(self.motion.modes()),
+            motion: Motion::zeros(self.motion.size()),
             load: Vec::new(),
             acceleration: Vec::new(),
             added_mass: Vec::new(),

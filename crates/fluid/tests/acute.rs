@@ -21,7 +21,7 @@ fn accepted(spacing: f64, geometry: Geometry) {
 }
 
 fn body(x: f64, y: f64, corners: &[(f64, f64)]) -> Option<Body> {
-    Some(Body { origin: Vector2::new(x, y), angle: 0.0, walls: vec![closed(corners)], beam: None })
+    Some(Body { origin: Vector2::new(x, y), angle: 0.0, walls: vec![closed(corners)], members: Vec::new() })
 }
 
 /// A keel and a wedge over still water: a particle far below sees their lower corner, and both faces equally near.
@@ -30,10 +30,10 @@ fn bodies_over_water() {
     for spacing in SPACINGS {
         let keel = body(1.5, 0.8, &[(-0.07, 0.3), (0.07, 0.3), (0.013, -0.23)]);
         let (water, fixed_walls) = (vec![rectangle(0.0, 0.0, 3.0, 0.5)], vec![tank(3.0, 1.2)]);
-        accepted(spacing, Geometry { water, fixed_walls, body: keel, ..Geometry::default() });
+        accepted(spacing, Geometry { water, fixed_walls, bodies: keel.into(), ..Geometry::default() });
         let wedge = body(3.0, 2.01, &[(0.0, 0.0), (-1.2, 0.692820323), (1.2, 0.692820323)]);
         let (water, fixed_walls) = (vec![rectangle(0.0, 0.0, 6.0, 2.0)], vec![tank(6.0, 4.0)]);
-        accepted(spacing, Geometry { water, fixed_walls, body: wedge, ..Geometry::default() });
+        accepted(spacing, Geometry { water, fixed_walls, bodies: wedge.into(), ..Geometry::default() });
     }
 }
 

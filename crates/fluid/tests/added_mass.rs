@@ -12,7 +12,7 @@ fn geometry(body: Body, active: Vec<usize>) -> Geometry {
     Geometry {
         water: vec![rectangle(0.0, 0.0, 0.195, 0.1)],
         fixed_walls: vec![tank(0.4, 0.3)],
-        body: Some(body),
+        bodies: body.into(),
         active,
         ..Geometry::default()
     }
@@ -91,12 +91,12 @@ fn a_submerged_square_has_the_published_added_mass() {
     let half = 0.05;
     let corners = [(-half, -half), (-half, half), (half, half), (half, -half), (-half, -half)];
     let walls = vec![corners.map(|(x, y)| Vector2::new(x, y)).to_vec()];
-    let body = Body { origin: Vector2::new(1.0, 1.0), angle: 0.0, walls, beam: None };
+    let body = Body { origin: Vector2::new(1.0, 1.0), angle: 0.0, walls, members: Vec::new() };
     let water = around(&Vector2::new(1.0, 1.0), half, 2.0);
     let geometry = Geometry {
         water,
         fixed_walls: vec![tank(2.0, 2.5)],
-        body: Some(body),
+        bodies: body.into(),
         active: vec![0, 1],
         ..Geometry::default()
     };

@@ -5,7 +5,6 @@ mod common;
 
 use common::{dam_break_plate, parameters, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
-use kinematics::Motion;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
@@ -46,7 +45,7 @@ const OF_THE_POOL: usize = STEPS.div_ceil(63);
 fn allocations(geometry: Geometry, threads: usize) -> usize {
     let solver = Solver::new(parameters(voronoi(), 0.004, 1e-4, threads), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
-    let still = Motion::at_rest(solver.modes());
+    let still = solver.at_rest();
     let mut run = || {
         let before = COUNT.load(Relaxed);
         for _ in 0..STEPS {

@@ -5,7 +5,6 @@ mod common;
 
 use common::{parameters, rectangle};
 use fluid::{Geometry, Observables, Parameters, Scheme, Solver, VoronoiParameters};
-use kinematics::Motion;
 use nalgebra::Vector2;
 
 /// A closed tank of 1 m by 0.5 m from (`x`, 0), walked with the water on the left.
@@ -26,7 +25,7 @@ fn rested(spacing: f64, tanks: &[f64], enclosed_pressure: f64, gravity: Vector2<
     let solver = Solver::new(Parameters { gravity, ..parameters(scheme, spacing, 1e-8, 2) }, geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     for _ in 0..40 {
-        solver.step(&mut state, &Motion::at_rest(0), 0.005, &mut workspace).unwrap();
+        solver.step(&mut state, &solver.at_rest(), 0.005, &mut workspace).unwrap();
     }
     solver.observe(&state)
 }

@@ -5,7 +5,7 @@ mod common;
 
 use common::{mps, parameters, points, rectangle, tank, voronoi};
 use fluid::{AffineVelocity, DampingZone, Error, Geometry, Jitter, Solver};
-use kinematics::{Body, Motion};
+use kinematics::Body;
 use nalgebra::Vector2;
 
 /// A square of water in flight without gravity loses its speed as exp(-rate t) where the damping is full.
@@ -20,7 +20,7 @@ fn water_in_a_damping_zone_slows_down_exponentially() {
         let solver = Solver::new(parameters, geometry).unwrap();
         let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
         for _ in 0..20 {
-            solver.step(&mut state, &Motion::at_rest(0), 0.01, &mut workspace).unwrap();
+            solver.step(&mut state, &solver.at_rest(), 0.01, &mut workspace).unwrap();
         }
         let kept = (-5.0_f64 * 0.2).exp();
         for velocity in &state.velocities {
@@ -50,7 +50,7 @@ fn a_damped_end_does_not_echo() {
         let solver = Solver::new(parameters, geometry).unwrap();
         let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
         for _ in 0..150 {
-            solver.step(&mut state, &Motion::at_rest(0), 0.01, &mut workspace).unwrap();
+            solver.step(&mut state, &solver.at_rest(), 0.01, &mut workspace).unwrap();
         }
         let rest = 0.5 * 1000.0 * 9.81 * (0.41_f64 / 2.0).powi(2) * 2.0;
         let seen = solver.observe(&state);
@@ -83,17 +83,17 @@ fn a_seed_decides_the_displacements() {
 #[test]
 fn a_body_that_passes_through_a_wall_is_refused() {
     let square = points(&[(-0.1, -0.1), (-0.1, 0.1), (0.1, 0.1), (0.1, -0.1), (-0.1, -0.1)]);
-    let body = Body { origin: Vector2::new(0.7, 0.3), angle: 0.0, walls: vec![square], beam: None };
+    let body = Body { origin: Vector2::new(0.7, 0.3), angle: 0.0, walls: vec![square], members: Vec::new() };
     let geometry = Geometry {
         water: vec![rectangle(0.0, 0.0, 0.4, 0.3)],
         fixed_walls: vec![tank(1.0, 0.6)],
-        body: Some(body),
+        bodies: body.into(),
         ..Geometry::default()
     };
     let solver = Solver::new(parameters(voronoi(), 0.05, 1e-5, 1), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let mut fall = |depth: f64| {
-        let mut end = Motion::at_rest(0);
+        let mut end = solver.at_rest();
         end.position[1] = -depth;
         end.velocity[1] = (-depth - state.motion.position[1]) / 0.01;
         solver.step(&mut state, &end, 0.01, &mut workspace)

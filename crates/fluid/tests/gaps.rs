@@ -5,7 +5,7 @@ mod common;
 
 use common::{parameters, points, rectangle, tank, voronoi};
 use fluid::{Error, Geometry, Observables, Solver, State};
-use kinematics::{Body, Motion};
+use kinematics::Body;
 use nalgebra::Vector2;
 
 const SPACING: f64 = 0.02;
@@ -16,7 +16,7 @@ fn rested(geometry: Geometry) -> (State, Observables) {
     let solver = Solver::new(parameters(voronoi(), SPACING, 1e-8, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     for _ in 0..40 {
-        solver.step(&mut state, &Motion::at_rest(0), 0.005, &mut workspace).unwrap();
+        solver.step(&mut state, &solver.at_rest(), 0.005, &mut workspace).unwrap();
     }
     let figures = solver.observe(&state);
     (state, figures)
@@ -51,11 +51,11 @@ fn a_gate_over_a_narrow_gap_is_tight() {
     for gap in [0.001, 0.005] {
         let gate = rectangle(0.3, gap, 0.31, 0.5);
         let gate: Vec<_> = gate.iter().chain(&gate[..1]).rev().copied().collect();
-        let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![gate], beam: None };
+        let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![gate], members: Vec::new() };
         let (state, figures) = rested(Geometry {
             water: vec![rectangle(0.0, 0.0, 0.3, 0.3)],
             fixed_walls: vec![tank(1.2, 0.6)],
-            body: Some(body),
+            bodies: body.into(),
             ..Geometry::default()
         });
         let expected = 0.5 * WEIGHT * 0.09;
@@ -71,17 +71,17 @@ fn a_body_that_stands_on_the_floor_does_not_sink_into_it() {
     for gap in [0.0, 0.001] {
         let block = rectangle(0.5, gap, 0.6, 0.5);
         let block: Vec<_> = block.iter().chain(&block[..1]).rev().copied().collect();
-        let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![block], beam: None };
+        let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![block], members: Vec::new() };
         let geometry = Geometry {
             water: vec![rectangle(0.0, 0.0, 0.3, 0.3)],
             fixed_walls: vec![tank(1.2, 0.6)],
-            body: Some(body),
+            bodies: body.into(),
             ..Geometry::default()
         };
         let solver = Solver::new(parameters(voronoi(), SPACING, 1e-8, 2), geometry).unwrap();
         let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
         let mut sink = |depth: f64| {
-            let mut end = Motion::at_rest(0);
+            let mut end = solver.at_rest();
             end.position[1] = -depth;
             solver.step(&mut state, &end, 0.01, &mut workspace)
         };

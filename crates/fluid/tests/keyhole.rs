@@ -5,7 +5,6 @@ mod common;
 
 use common::{mps, parameters, points, rectangle, tank, voronoi};
 use fluid::{Geometry, Scheme, Solver};
-use kinematics::Motion;
 use nalgebra::Vector2;
 
 /// A tank with an obstacle from (`low`, `low`) to (`high`, `high`) under water.
@@ -24,7 +23,7 @@ fn settled(scheme: Scheme, spacing: f64, geometry: Geometry) -> (Vector2<f64>, f
     let solver = Solver::new(parameters(scheme, spacing, 1e-8, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     for _ in 0..40 {
-        solver.step(&mut state, &Motion::at_rest(0), 0.005, &mut workspace).unwrap();
+        solver.step(&mut state, &solver.at_rest(), 0.005, &mut workspace).unwrap();
     }
     let figures = solver.observe(&state);
     (figures.wall_force, figures.maximum_speed, figures.lost)

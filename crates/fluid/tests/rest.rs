@@ -5,7 +5,6 @@ mod common;
 
 use common::{mps, parameters, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
-use kinematics::Motion;
 use nalgebra::Vector2;
 
 /// Four seconds of still water, 25 spacings deep. The one-sided gradient jostles particles all the time; fluid speeds
@@ -24,7 +23,7 @@ fn still_water_stays_in_and_throws_nothing_out() {
     let count = state.positions.len();
     let (mut pressures, mut fastest) = (Vec::new(), 0.0_f64);
     for _ in 0..400 {
-        solver.step(&mut state, &Motion::at_rest(0), 0.01, &mut workspace).unwrap();
+        solver.step(&mut state, &solver.at_rest(), 0.01, &mut workspace).unwrap();
         let seen = solver.observe(&state);
         fastest = fastest.max(seen.maximum_speed);
         if state.time > 0.5 {
@@ -50,14 +49,14 @@ fn the_pressure_is_there_before_the_first_step() {
         origin: Vector2::new(1.0, 0.25),
         angle: 0.0,
         walls: vec![vec![Vector2::new(0.0, -0.25), Vector2::new(0.0, 0.55)]],
-        beam: None,
+        members: Vec::new(),
     };
     let mut floor = tank(1.0, 0.8);
     floor.pop();
     let geometry = Geometry {
         water: vec![rectangle(0.0, 0.0, 1.0, 0.5)],
         fixed_walls: vec![floor],
-        body: Some(body),
+        bodies: body.into(),
         probes: at_the_floor.to_vec(),
         ..Geometry::default()
     };
@@ -104,7 +103,7 @@ fn rest(jitter: f64, settled: f64) -> Worst {
     let centre = solver.observe(&state).centre.y;
     let mut worst = Worst::default();
     for _ in 0..300 {
-        solver.step(&mut state, &Motion::at_rest(0), 0.01, &mut workspace).unwrap();
+        solver.step(&mut state, &solver.at_rest(), 0.01, &mut workspace).unwrap();
         if state.time <= settled {
             continue;
         }

@@ -5,7 +5,6 @@ mod common;
 
 use common::{parameters, points, rectangle};
 use fluid::{Geometry, Scheme, Solver, VoronoiParameters};
-use kinematics::Motion;
 
 /// Energy and water beyond the sill every 10 ms, of water 0.6 m deep behind a wall with a slot 0.16 m high.
 fn flow(courant: f64) -> (Vec<f64>, f64) {
@@ -29,7 +28,7 @@ fn flow(courant: f64) -> (Vec<f64>, f64) {
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let mut energies = Vec::new();
     for _ in 0..16 {
-        solver.step(&mut state, &Motion::at_rest(0), 0.01, &mut workspace).unwrap();
+        solver.step(&mut state, &solver.at_rest(), 0.01, &mut workspace).unwrap();
         let seen = solver.observe(&state);
         energies.push(seen.kinetic_energy + seen.potential_energy);
     }

@@ -5,7 +5,6 @@ mod common;
 
 use common::{parameters, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
-use kinematics::Motion;
 use nalgebra::Vector2;
 
 /// A column breaks into a wall, where its front becomes a jet one or two particles wide. Two particles that nearly
@@ -29,7 +28,7 @@ fn a_dam_break_throws_nothing_out() {
         let reference = 0.5 * 9810.0 * 0.292 * 0.292 * 0.146;
         let (mut lowest, mut rise, mut fastest) = (f64::MAX, 0.0_f64, 0.0_f64);
         for _ in 0..200 {
-            solver.step(&mut state, &Motion::at_rest(0), 0.002, &mut workspace).unwrap();
+            solver.step(&mut state, &solver.at_rest(), 0.002, &mut workspace).unwrap();
             let seen = solver.observe(&state);
             let energy = seen.kinetic_energy + seen.potential_energy;
             lowest = lowest.min(energy);

@@ -21,13 +21,13 @@ fn wedge(degrees: f64, spacing: f64, tolerance: f64, seed: u64) -> Solver {
         origin: Vector2::new(0.0, tip),
         angle: 0.0,
         walls: vec![points(&[(0.0, 0.0), (-half, height), (half, height), (0.0, 0.0)])],
-        beam: None,
+        members: Vec::new(),
     };
-    let probe = Probe { place: Vector2::new(0.1, tip + 0.1 * height / half), on_body: true };
+    let probe = Probe { place: Vector2::new(0.1, tip + 0.1 * height / half), on_body: Some(0) };
     let geometry = Geometry {
         water: vec![rectangle(-3.0, 0.0, 3.0, 2.0)],
         fixed_walls: vec![points(&[(-3.0, 4.0), (-3.0, 0.0), (3.0, 0.0), (3.0, 4.0)])],
-        body: Some(body),
+        bodies: body.into(),
         probes: vec![probe],
         jitter: Jitter { amplitude: if seed > 0 { 0.01 } else { 0.0 }, seed },
         ..Geometry::default()

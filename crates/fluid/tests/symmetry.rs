@@ -13,11 +13,12 @@ use nalgebra::Vector2;
 fn asymmetry(scheme: Scheme, steps: usize) -> f64 {
     let (half, spacing, speed) = (0.3, 0.05, 1.0);
     let wedge = points(&[(0.0, 0.0), (-half, 0.5 * half), (half, 0.5 * half), (0.0, 0.0)]);
-    let body = Body { origin: Vector2::new(0.0, 0.5 + 0.5 * spacing), angle: 0.0, walls: vec![wedge], beam: None };
+    let body =
+        Body { origin: Vector2::new(0.0, 0.5 + 0.5 * spacing), angle: 0.0, walls: vec![wedge], members: Vec::new() };
     let geometry = Geometry {
         water: vec![rectangle(-1.0, 0.0, 1.0, 0.5)],
         fixed_walls: vec![points(&[(-1.0, 1.0), (-1.0, 0.0), (1.0, 0.0), (1.0, 1.0)])],
-        body: Some(body),
+        bodies: body.into(),
         ..Geometry::default()
     };
     let solver = Solver::new(parameters(scheme, spacing, 1e-12, 2), geometry).unwrap();

@@ -24,7 +24,7 @@ fn images_complete_the_lattice_at_walls_and_corners() {
     parameters.gravity = Vector2::zeros();
     let solver = Solver::new(parameters, geometry).unwrap();
     let mut state = solver.initial_state();
-    solver.step(&mut state, &Motion::at_rest(0), 1e-4, &mut solver.workspace()).unwrap();
+    solver.step(&mut state, &solver.at_rest(), 1e-4, &mut solver.workspace()).unwrap();
     let reference = lattice_density(3.1);
     for (position, density) in state.positions.iter().zip(&state.number_densities) {
         if position.y < 0.5 - 3.1 * 0.02 {
@@ -48,7 +48,7 @@ fn hydrostatic_slope_is_exact_and_level_of_first_order() {
     parameters.scheme = fluid::Scheme::Mps(fluid::MpsParameters { alpha: 0.0, ..fluid::MpsParameters::default() });
     let solver = Solver::new(parameters, geometry).unwrap();
     let mut state = solver.initial_state();
-    solver.step(&mut state, &Motion::at_rest(0), 1e-4, &mut solver.workspace()).unwrap();
+    solver.step(&mut state, &solver.at_rest(), 1e-4, &mut solver.workspace()).unwrap();
     let floor = solver.observe(&state).probes[0];
     assert!((floor - 4905.0).abs() < 0.3 * 0.02 * 9810.0, "floor pressure {floor}");
     for (position, pressure) in state.positions.iter().zip(&state.pressures) {
@@ -66,11 +66,11 @@ fn hydrostatic_slope_is_exact_and_level_of_first_order() {
 fn added_mass_of_a_wall_is_westergaards() {
     for (scheme, tolerance) in [(mps(), 0.005), (voronoi(), 0.003)] {
         let wall = vec![Vector2::new(0.0, 1.2), Vector2::new(0.0, -0.2)];
-        let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![wall], beam: None };
+        let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![wall], members: Vec::new() };
         let geometry = Geometry {
             water: vec![rectangle(0.0, 0.0, 4.0, 1.0)],
             fixed_walls: vec![common::points(&[(-0.2, 0.0), (4.0, 0.0), (4.0, 1.2)])],
-            body: Some(body),
+            bodies: body.into(),
             ..Geometry::default()
         };
         let mut parameters = parameters(scheme.clone(), 0.025, 1e-10, 2);
@@ -78,7 +78,7 @@ fn added_mass_of_a_wall_is_westergaards() {
         let solver = Solver::new(parameters, geometry).unwrap();
         let mut state = solver.initial_state();
         let step = 1e-5;
-        let mut end = Motion::at_rest(0);
+        let mut end = solver.at_rest();
         end.velocity[0] = step;
         solver.step(&mut state, &end, step, &mut solver.workspace()).unwrap();
         let added_mass = -state.load[0];
@@ -127,14 +127,15 @@ fn momentum_of_a_dam_break_is_that_of_gravity_and_walls() {
         spreading: 0.0,
         ..VoronoiParameters::default()
     });
-    let tank = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![tank(0.584, 0.8)], beam: None };
-    let geometry = Geometry { water: vec![rectangle(0.0, 0.0, 0.146, 0.292)], body: Some(tank), ..Geometry::default() };
+    let tank = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![tank(0.584, 0.8)], members: Vec::new() };
+    let geometry =
+        Geometry { water: vec![rectangle(0.0, 0.0, 0.146, 0.292)], bodies: tank.into(), ..Geometry::default() };
     let solver = Solver::new(parameters(scheme, 0.006, 1e-9, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let weight = 1000.0 * 0.146 * 0.292 * 9.81;
     let mut impulse = Vector2::zeros();
     for _ in 0..200 {
-        solver.step(&mut state, &Motion::at_rest(0), 1e-3, &mut workspace).unwrap();
+        solver.step(&mut state, &solver.at_rest(), 1e-3, &mut workspace).unwrap();
         impulse += Vector2::new(-state.load[0], -state.load[1] - weight) * 1e-3;
         let momentum = solver.observe(&state).momentum;
         let lost = (momentum - impulse).norm() / (weight * state.time);
@@ -146,7 +147,7 @@ fn with_water_at_the_plate(thickness: f64) -> Geometry {
     Geometry {
         water: vec![rectangle(0.0, 0.0, 0.2 - 0.5 * thickness, 0.06)],
         fixed_walls: vec![tank(0.4, 0.3)],
-        body: Some(plate(0.2, 0.12, thickness, 2)),
+        bodies: (plate(0.2, 0.12, thickness, 2)).into(),
         ..Geometry::default()
     }
 }
@@ -163,7 +164,7 @@ fn nothing_passes_a_swinging_plate_of_any_thickness() {
 }
 
 fn swing_a_plate(scheme: &Scheme, thickness: f64) {
-    let on_face = |side: f64, y: f64| Probe { place: Vector2::new(0.2 + side * 0.5 * thickness, y), on_body: true };
+    let on_face = |side: f64, y: f64| Probe { place: Vector2::new(0.2 + side * 0.5 * thickness, y), on_body: Some(0) };
     let probes = [1.0, -1.0].iter().flat_map(|&side| [0.01, 0.02, 0.03].map(|y| on_face(side, y))).collect();
     let geometry = Geometry { probes, ..with_water_at_the_plate(thickness) };
     let solver = Solver::new(parameters(scheme.clone(), 0.004, 1e-6, 2), geometry).unwrap();
@@ -171,7 +172,7 @@ fn swing_a_plate(scheme: &Scheme, thickness: f64) {
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let count = state.positions.len();
     let body = plate(0.2, 0.12, thickness, 2);
-    let amplitude = 0.01 / body.beam.as_ref().unwrap().modes.shape(0, 0.12).abs();
+    let amplitude = 0.01 / body.members[0].modes.shape(0, 0.12).abs();
     let rate = 2.0 * std::f64::consts::PI / 0.3;
     for k in 1..=200 {
         let time = f64::from(k) * 1.5e-3;
@@ -189,8 +190,9 @@ fn swing_a_plate(scheme: &Scheme, thickness: f64) {
         "{scheme:?}, {thickness}: {wet:?} Pa on the wet side"
     );
     assert_eq!((state.positions.len(), state.lost), (count, 0), "{scheme:?}, thickness {thickness}");
-    let surface =
-        |station: f64, offset: f64| body.position(kinematics::MaterialPoint::Beam { station, offset }, &state.motion).x;
+    let surface = |station: f64, offset: f64| {
+        body.position(kinematics::MaterialPoint::Beam { member: 0, station, offset }, &state.motion).x
+    };
     for position in &state.positions {
         assert!(position.y > 0.0 && position.x > 0.0, "{scheme:?}, {thickness}: particle at {position:?}");
         if position.y < 0.12 {
@@ -212,7 +214,7 @@ fn still_water_loads_only_the_wet_face() {
             let mut state = solver.initial_state();
             solver.step(&mut state, &Motion::at_rest(2), 1e-4, &mut solver.workspace()).unwrap();
             let body = plate(0.2, 0.12, thickness, 2);
-            let modes = &body.beam.as_ref().unwrap().modes;
+            let modes = &body.members[0].modes;
             for mode in 0..2 {
                 let exact = hydrostatic_work(0.06, |y| modes.shape(mode, y));
                 let got = state.load[3 + mode];

@@ -1,28 +1,28 @@
 //! The generalised coordinates and their rates.
 
+use crate::layout::RIGID;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
-
-/// Number of rigid coordinates: X, Y and theta.
-pub const RIGID: usize = 3;
+use std::ops::Range;
 
 /// Largest number of modes that crosses the interface between the two components.
 ///
 /// [`crate::BeamModes`] itself knows no limit.
 pub const MAXIMUM_MODES: usize = 8;
 
-/// Generalised coordinates `[X, Y, theta, q_1 .. q_N]` with their first and second time derivatives.
+/// Generalised coordinates of one body or of several with their first and second time derivatives: which entry is what is
+/// the matter of [`crate::CoordinateLayout`].
 ///
 /// X, Y in m are the displacement of o_R from its place in the scene, theta in rad the counter-clockwise rotation from
-/// the scene's pose, q in m sqrt(kg/m) (mass-normalised modes, per metre of width). A body at rest in its
-/// scene has zeros throughout.
+/// the scene's pose, q in m sqrt(kg/m) (mass-normalised modes, per metre of width). Bodies at rest in
+/// their scene have zeros throughout.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// Coordinates, 3 + N.
+    /// Coordinates.
     pub position: DVector<f64>,
-    /// Rates, per second, 3 + N.
+    /// Rates, per second.
     pub velocity: DVector<f64>,
-    /// Second derivatives, per second squared, 3 + N.
+    /// Second derivatives, per second squared.
     pub acceleration: DVector<f64>,
 }
 
@@ -50,15 +50,29 @@ pub fn copy(source: &DVector<f64>, target: &mut DVector<f64>) {
 }
 
 impl Motion {
-    /// The pose of the scene, at rest, for a body with this number of modes.
+    /// The pose of the scene, at rest, for one body with this number of modes.
     pub fn at_rest(modes: usize) -> Self {
-        let zero = DVector::zeros(RIGID + modes);
+        Self::zeros(RIGID + modes)
+    }
+
+    /// The pose of the scene, at rest, for this number of coordinates.
+    pub fn zeros(size: usize) -> Self {
+        let zero = DVector::zeros(size);
         Self { position: zero.clone(), velocity: zero.clone(), acceleration: zero }
     }
 
-    /// Number N of modes.
-    pub fn modes(&self) -> usize {
-        self.position.len() - RIGID
+    /// Number of coordinates.
+    pub fn size(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Some of the coordinates.
+    pub fn view(&self, range: Range<usize>) -> MotionView<'_> {
+        MotionView {
+            position: &self.position.as_slice()[range.clone()],
+            velocity: &self.velocity.as_slice()[range.clone()],
+            acceleration: &self.acceleration.as_slice()[range],
+        }
     }
 
     /// Whether every number is finite.
@@ -66,5 +80,22 @@ impl Motion {
         [&self.position, &self.velocity, &self.acceleration]
             .iter()
             .all(|part| part.iter().all(|value| value.is_finite()))
+    }
+}
+
+/// Some of the coordinates of a motion: those of one body.
+#[derive(Debug, Clone, Copy)]
+pub struct MotionView<'a> {
+    /// Coordinates.
+    pub position: &'a [f64],
+    /// Rates, per second.
+    pub velocity: &'a [f64],
+    /// Second derivatives, per second squared.
+    pub acceleration: &'a [f64],
+}
+
+impl<'a> From<&'a Motion> for MotionView<'a> {
+    fn from(motion: &'a Motion) -> Self {
+        motion.view(0..motion.size())
     }
 }

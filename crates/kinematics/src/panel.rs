@@ -1,13 +1,13 @@
 //! The wetted surface of a body, cut into short straight panels.
 
 use crate::{Body, MaterialPoint, Support};
-use nalgebra::{DVector, Vector2};
+use nalgebra::Vector2;
 
 /// A short piece of surface between two material points, with the fluid on the left walking from the first to the
 /// second.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Panel {
-    /// Start and end. Panels made by [`Body::panels`] have both ends on the rigid part or both on the beam.
+    /// Start and end. Panels made by [`Body::panels`] have both ends on the rigid part or both on one beam.
     pub ends: [MaterialPoint; 2],
 }
 
@@ -21,7 +21,7 @@ impl Panel {
 impl Body {
     /// The whole surface in panels no longer than `longest` m in the undeformed body.
     ///
-    /// Rigid walls come first in the order of their points, then the beam: the face at -h/2 upwards, the tip if it is
+    /// Rigid walls come first in the order of their points, then each beam: the face at -h/2 upwards, the tip if it is
     /// free, the face at +h/2 downwards. A `longest` that is not positive leaves every straight piece whole.
     pub fn panels(&self, longest: f64) -> Vec<Panel> {
         let mut panels = Vec::new();
@@ -31,9 +31,9 @@ impl Body {
                 cut(ends, (pair[1] - pair[0]).norm(), longest, &mut panels);
             }
         }
-        if let Some(beam) = &self.beam {
+        for (member, beam) in self.members.iter().enumerate() {
             let (length, half) = (beam.modes.length(), 0.5 * beam.thickness);
-            let at = |station: f64, offset: f64| MaterialPoint::Beam { station, offset };
+            let at = |station: f64, offset: f64| MaterialPoint::Beam { member, station, offset };
             cut([at(0.0, -half), at(length, -half)], length, longest, &mut panels);
             if beam.modes.support() == Support::ClampedFree {
                 cut([at(length, -half), at(length, half)], beam.thickness, longest, &mut panels);
@@ -47,13 +47,13 @@ impl Body {
     ///
     /// It belongs to the chord between the moved ends, so that the panels of a closed surface sum to zero exactly.
     /// Pressure times this is the force on the panel.
-    pub fn area_vector(&self, panel: &Panel, coordinates: &DVector<f64>) -> Vector2<f64> {
+    pub fn area_vector(&self, panel: &Panel, coordinates: &[f64]) -> Vector2<f64> {
         let chord = self.place(panel.ends[1], coordinates) - self.place(panel.ends[0], coordinates);
         Vector2::new(chord.y, -chord.x)
     }
 
     /// Unit normal of a panel as it stands deformed, into the solid.
-    pub fn normal(&self, panel: &Panel, coordinates: &DVector<f64>) -> Vector2<f64> {
+    pub fn normal(&self, panel: &Panel, coordinates: &[f64]) -> Vector2<f64> {
         self.area_vector(panel, coordinates).normalize()
     }
 }

@@ -13,7 +13,7 @@ fn body(support: Support, count: usize) -> Body {
         origin: corner(1.3, 0.4),
         angle: 0.3,
         walls: vec![vec![corner(-0.35, -0.26), corner(-0.35, 0.26), corner(0.35, 0.26), corner(0.35, -0.26)]],
-        beam: Some(Beam { middle: corner(0.05, 0.03), thickness: 0.018, modes }),
+        members: vec![Beam { middle: corner(0.05, 0.03), thickness: 0.018, modes }],
     }
 }
 
@@ -32,7 +32,7 @@ fn point() -> impl Strategy<Value = MaterialPoint> {
         if rigid {
             MaterialPoint::Rigid(Vector2::new(station, offset))
         } else {
-            MaterialPoint::Beam { station, offset: 0.03 * offset }
+            MaterialPoint::Beam { member: 0, station, offset: 0.03 * offset }
         }
     })
 }
@@ -62,12 +62,12 @@ proptest! {
     fn jacobian_is_the_derivative_of_the_place(support in support(), point in point(), x in coordinates()) {
         let body = body(support, 4);
         let mut jacobian = [Vector2::zeros(); 7];
-        body.jacobian(point, &x, &mut jacobian);
+        body.jacobian(point, x.as_slice(), &mut jacobian);
         for (k, column) in jacobian.iter().enumerate() {
             let (mut minus, mut plus) = (x.clone(), x.clone());
             minus[k] -= 1e-5;
             plus[k] += 1e-5;
-            let difference = (body.place(point, &plus) - body.place(point, &minus)) / 2e-5;
+            let difference = (body.place(point, plus.as_slice()) - body.place(point, minus.as_slice())) / 2e-5;
             prop_assert!((difference - column).norm() < 1e-9, "{k}: {difference} {column}");
         }
     }
@@ -84,9 +84,9 @@ proptest! {
         let mut work = 0.0;
         for panel in body.panels(0.01) {
             let middle = panel.point(0.5).unwrap();
-            let force = pressure(body.place(middle, &x)) * body.area_vector(&panel, &x);
-            body.add_force(middle, &x, force, &mut load);
-            work += force.dot(&(body.place(middle, &plus) - body.place(middle, &minus))) / (2.0 * step);
+            let force = pressure(body.place(middle, x.as_slice())) * body.area_vector(&panel, x.as_slice());
+            body.add_force(middle, x.as_slice(), force, &mut load);
+            work += force.dot(&(body.place(middle, plus.as_slice()) - body.place(middle, minus.as_slice()))) / (2.0 * step);
         }
         let product: f64 = load.iter().zip(dx.iter()).map(|(q, d)| q * d).sum();
         let size: f64 = load.iter().zip(dx.iter()).map(|(q, d)| (q * d).abs()).sum();
@@ -98,8 +98,8 @@ proptest! {
         let body = body(Support::FixedFixed, 4);
         let force = Vector2::new(force[0], force[1]);
         let mut load = vec![0.0; 7];
-        body.add_force(point, &x, force, &mut load);
-        let lever = body.place(point, &x) - body.place(MaterialPoint::Rigid(Vector2::zeros()), &x);
+        body.add_force(point, x.as_slice(), force, &mut load);
+        let lever = body.place(point, x.as_slice()) - body.place(MaterialPoint::Rigid(Vector2::zeros()), x.as_slice());
         prop_assert!((load[2] - lever.perp(&force)).abs() < 1e-12);
     }
 
@@ -107,10 +107,10 @@ proptest! {
     fn uniform_pressure_on_one_face_loads_the_modes_alone_by_psi0(support in support(), x in coordinates()) {
         // n dl.e_w = -ds on the face at -h/2 however the beam is bent, so Q_q = -p psi0 / rho_l.
         let body = body(support, 4);
-        let modes = &body.beam.as_ref().unwrap().modes;
+        let modes = &body.members[0].modes;
         let mut load = vec![0.0; 7];
         for panel in body.panels(0.001).iter().filter(|panel| on_face(panel, -1.0)) {
-            body.add_force(panel.point(0.5).unwrap(), &x, 50.0 * body.area_vector(panel, &x), &mut load);
+            body.add_force(panel.point(0.5).unwrap(), x.as_slice(), 50.0 * body.area_vector(panel, x.as_slice()), &mut load);
         }
         for (i, psi0) in modes.psi0().iter().enumerate() {
             let expected = -50.0 * psi0 / 44.9;
@@ -125,10 +125,10 @@ proptest! {
         let mut load = vec![0.0; 7];
         let mut face = vec![0.0; 7];
         for panel in body.panels(0.002).iter().filter(|panel| matches!(panel.ends[0], MaterialPoint::Beam { .. })) {
-            let force = 50.0 * body.area_vector(panel, &x);
-            body.add_force(panel.point(0.5).unwrap(), &x, force, &mut load);
+            let force = 50.0 * body.area_vector(panel, x.as_slice());
+            body.add_force(panel.point(0.5).unwrap(), x.as_slice(), force, &mut load);
             if on_face(panel, -1.0) {
-                body.add_force(panel.point(0.5).unwrap(), &x, force, &mut face);
+                body.add_force(panel.point(0.5).unwrap(), x.as_slice(), force, &mut face);
             }
         }
         prop_assert!(face[3].abs() > 1.0);
@@ -153,7 +153,7 @@ fn zero_coordinates_leave_the_body_where_the_scene_puts_it() {
     // The foot of the beam: Rot(0.3) (0.05, 0.03 - 0.22) from the origin.
     let (sin, cos) = 0.3_f64.sin_cos();
     let expected = Vector2::new(1.3 + 0.05 * cos + 0.19 * sin, 0.4 + 0.05 * sin - 0.19 * cos);
-    let foot = body.position(MaterialPoint::Beam { station: 0.0, offset: 0.0 }, &rest);
+    let foot = body.position(MaterialPoint::Beam { member: 0, station: 0.0, offset: 0.0 }, &rest);
     assert!((foot - expected).norm() < 1e-15);
     assert_eq!(body.velocity(MaterialPoint::Rigid(Vector2::new(0.1, 0.2)), &rest), Vector2::zeros());
 }
@@ -162,7 +162,7 @@ fn zero_coordinates_leave_the_body_where_the_scene_puts_it() {
 fn positive_modes_deflect_towards_minus_x_of_the_body() {
     let mut body = body(Support::ClampedFree, 1);
     body.angle = 0.0;
-    let tip = MaterialPoint::Beam { station: 0.44, offset: 0.0 };
+    let tip = MaterialPoint::Beam { member: 0, station: 0.44, offset: 0.0 };
     let mut motion = Motion::at_rest(1);
     let before = body.position(tip, &motion);
     motion.position[3] = 0.1;
@@ -180,7 +180,7 @@ fn panels_follow_each_other_with_the_fluid_on_the_left() {
     // 0.52 + 0.7 + 0.52 m of wall; 0.44 m of beam twice; 0.018 m of tip.
     assert_eq!((rigid.len(), panels.len()), (52 + 70 + 52, 52 + 70 + 52 + 44 + 2 + 44));
     for pair in panels.windows(2) {
-        let joined = body.place(pair[0].ends[1], &x) == body.place(pair[1].ends[0], &x);
+        let joined = body.place(pair[0].ends[1], x.as_slice()) == body.place(pair[1].ends[0], x.as_slice());
         assert!(
             joined
                 || matches!((pair[0].ends[1], pair[1].ends[0]), (MaterialPoint::Rigid(_), MaterialPoint::Beam { .. }))
@@ -188,17 +188,20 @@ fn panels_follow_each_other_with_the_fluid_on_the_left() {
     }
     // Into the solid: the normal of every rigid panel looks towards the body's centre.
     for panel in rigid {
-        let inward = body.place(MaterialPoint::Rigid(Vector2::zeros()), &x) - body.place(panel.point(0.5).unwrap(), &x);
-        assert!(body.normal(panel, &x).dot(&inward) > 0.0);
-        assert!((body.normal(panel, &x).norm() - 1.0).abs() < 1e-14);
+        let inward = body.place(MaterialPoint::Rigid(Vector2::zeros()), x.as_slice())
+            - body.place(panel.point(0.5).unwrap(), x.as_slice());
+        assert!(body.normal(panel, x.as_slice()).dot(&inward) > 0.0);
+        assert!((body.normal(panel, x.as_slice()).norm() - 1.0).abs() < 1e-14);
     }
     // And of every panel of the plate towards the neutral axis.
     for panel in panels.iter().filter(|panel| on_face(panel, -1.0) || on_face(panel, 1.0)) {
-        let Some(MaterialPoint::Beam { station, .. }) = panel.point(0.5) else {
+        let Some(MaterialPoint::Beam { member: 0, station, .. }) = panel.point(0.5) else {
             panic!("a beam panel has beam points")
         };
-        let axis = body.place(MaterialPoint::Beam { station, offset: 0.0 }, &x);
-        assert!(body.normal(panel, &x).dot(&(axis - body.place(panel.point(0.5).unwrap(), &x))) > 0.0);
+        let axis = body.place(MaterialPoint::Beam { member: 0, station, offset: 0.0 }, x.as_slice());
+        assert!(
+            body.normal(panel, x.as_slice()).dot(&(axis - body.place(panel.point(0.5).unwrap(), x.as_slice()))) > 0.0
+        );
     }
 }
 
@@ -228,7 +231,7 @@ fn impossible_bodies_are_refused_with_their_numbers() {
     let mut bad = body(Support::FixedFixed, 2);
     bad.origin.y = f64::NAN;
     assert_eq!(bad.validate().unwrap_err().to_string(), "the body's origin y is NaN, but has to be finite");
-    bad.beam.as_mut().unwrap().thickness = 0.0;
+    bad.members[0].thickness = 0.0;
     assert_eq!(
         bad.validate().unwrap_err().to_string(),
         "the thickness of the beam is 0 m, but has to be positive and finite"

@@ -12,8 +12,8 @@
 
 use crate::Error;
 use crate::parameters::{ContactParameters, check};
-use kinematics::Motion;
-use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
+use kinematics::MotionView;
+use nalgebra::{DMatrixViewMut, DVectorViewMut, Matrix3, Vector2, Vector3};
 
 /// A straight fixed wall seen from the place of o_R in the scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +79,7 @@ impl Contact {
     }
 
     /// Every corner behind a wall, with a force that pushes.
-    fn touches(&self, position: &DVector<f64>, velocity: &DVector<f64>) -> impl Iterator<Item = Touch> {
+    fn touches(&self, position: &[f64], velocity: &[f64]) -> impl Iterator<Item = Touch> {
         let (sin, cos) = (self.angle + position[2]).sin_cos();
         let centre = Vector2::new(position[0], position[1]);
         let rate = Vector3::new(velocity[0], velocity[1], velocity[2]);
@@ -103,7 +103,7 @@ impl Contact {
     }
 
     /// Adds -F J of every touch.
-    pub(crate) fn add_force(&self, position: &DVector<f64>, velocity: &DVector<f64>, out: &mut DVector<f64>) {
+    pub(crate) fn add_force(&self, position: &[f64], velocity: &[f64], out: &mut DVectorViewMut<f64>) {
         for touch in self.touches(position, velocity) {
             let mut rigid = out.fixed_rows_mut::<3>(0);
             rigid -= touch.row * self.force(&touch);
@@ -111,15 +111,15 @@ impl Contact {
     }
 
     /// Adds the sizes of the same.
-    pub(crate) fn add_force_size(&self, motion: &Motion, out: &mut DVector<f64>) {
-        for touch in self.touches(&motion.position, &motion.velocity) {
+    pub(crate) fn add_force_size(&self, motion: &MotionView, out: &mut DVectorViewMut<f64>) {
+        for touch in self.touches(motion.position, motion.velocity) {
             let mut rigid = out.fixed_rows_mut::<3>(0);
             rigid += touch.row.abs() * self.force(&touch);
         }
     }
 
     /// Adds the derivative of -F J by the position.
-    pub(crate) fn add_stiffness(&self, position: &DVector<f64>, velocity: &DVector<f64>, out: &mut DMatrix<f64>) {
+    pub(crate) fn add_stiffness(&self, position: &[f64], velocity: &[f64], out: &mut DMatrixViewMut<f64>) {
         for touch in self.touches(position, velocity) {
             let Touch { row, arm, depth, factor } = touch;
             let mut change: Matrix3<f64> = row * row.transpose() * (self.stiffness * factor);
@@ -133,12 +133,7 @@ impl Contact {
     }
 
     /// Adds the derivative of -F J by the velocity.
-    pub(crate) fn add_velocity_tangent(
-        &self,
-        position: &DVector<f64>,
-        velocity: &DVector<f64>,
-        out: &mut DMatrix<f64>,
-    ) {
+    pub(crate) fn add_velocity_tangent(&self, position: &[f64], velocity: &[f64], out: &mut DMatrixViewMut<f64>) {
         for touch in self.touches(position, velocity) {
             let mut rigid = out.fixed_view_mut::<3, 3>(0, 0);
             rigid += touch.row * touch.row.transpose() * (self.stiffness * touch.depth * self.damping);
@@ -146,8 +141,8 @@ impl Contact {
     }
 
     /// Energy stored, J per metre of width.
-    pub(crate) fn energy(&self, position: &DVector<f64>) -> f64 {
-        let still = DVector::zeros(position.len());
+    pub(crate) fn energy(&self, position: &[f64]) -> f64 {
+        let still = vec![0.0; position.len()];
         self.touches(position, &still).map(|touch| 0.5 * self.stiffness * touch.depth * touch.depth).sum()
     }
 }

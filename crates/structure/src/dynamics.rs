@@ -1,149 +1,53 @@
-//! The equations of motion `M(x) xdd + h(x, xd) + grad V(x) + C xd = Q` and their exact derivatives.
+//! The equations of motion of all bodies, `M(x) xdd + h(x, xd) + grad V(x) + C xd = Q`, and their exact derivatives: those of
+//! each body in its own rows and columns. Bodies meet through the water alone.
 
 use crate::Parameters;
-use crate::contact::Contact;
-use kinematics::{Motion, RIGID};
-use nalgebra::{DMatrix, DVector, DVectorView, Vector2};
+use crate::body_dynamics::BodyDynamics;
+use kinematics::{CoordinateLayout, Motion};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, DVectorViewMut, Vector2};
+use std::ops::Range;
 
-/// The Lagrangian of the cabin with its beam, free of any time integration.
-///
-/// Notation of the formulas: e1 = (cos, sin) and e2 = (-sin, cos) of angle + theta, the axes of the body frame;
-/// `m_b = (M_F x_of - psi0.q, M_F y_of)`, the beam's first moment in the body frame; U Rot m_b = m_bx e2 - m_by e1.
-/// Every vector and matrix is of the full size n = 3 + N, locked coordinates included.
-/// Source: paper, section 2.2 (16)-(21), derived anew from T and V; departures from the print are named below.
+/// The Lagrangian of bodies with their members, free of any time integration. Every vector and matrix is of the full size,
+/// locked coordinates included.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dynamics {
-    mass: f64,
-    beam_mass: f64,
-    middle: Vector2<f64>,
-    /// I_R + M_F |o|^2 + I_F: moment of inertia about o_R of the undeformed structure.
-    inertia: f64,
-    gravity: f64,
-    springs: [f64; RIGID],
-    angle: f64,
-    psi0: DVector<f64>,
-    /// y_of psi0 + psi1: what couples theta with every mode.
-    lever: DVector<f64>,
-    squared_frequencies: DVector<f64>,
-    /// 2 zeta omega of every mode.
-    damping: DVector<f64>,
-    contact: Option<Contact>,
-}
-
-/// The body's axes and the beam's first moment at one position.
-struct Pose {
-    e1: Vector2<f64>,
-    e2: Vector2<f64>,
-    moment: Vector2<f64>,
-}
-
-impl Pose {
-    /// Rot m_b.
-    fn arm(&self) -> Vector2<f64> {
-        self.moment.x * self.e1 + self.moment.y * self.e2
-    }
-
-    /// U Rot m_b.
-    fn turned_arm(&self) -> Vector2<f64> {
-        self.moment.x * self.e2 - self.moment.y * self.e1
-    }
+    bodies: Vec<(BodyDynamics, Range<usize>)>,
+    layout: CoordinateLayout,
 }
 
 impl Dynamics {
     /// Constants of the equations; the parameters are taken as validated.
     pub(crate) fn new(parameters: &Parameters) -> Self {
-        let mut dynamics = Self {
-            mass: parameters.rigid_mass,
-            beam_mass: 0.0,
-            middle: Vector2::zeros(),
-            inertia: parameters.rigid_inertia,
-            gravity: parameters.gravity,
-            springs: parameters.springs,
-            angle: parameters.angle,
-            psi0: DVector::zeros(0),
-            lever: DVector::zeros(0),
-            squared_frequencies: DVector::zeros(0),
-            damping: DVector::zeros(0),
-            contact: parameters.contact.as_ref().map(|contact| Contact::new(contact, parameters.angle)),
-        };
-        if let Some(beam) = &parameters.beam {
-            let (modes, count) = (&beam.modes, beam.modes.count());
-            let beam_inertia = modes.mass() * modes.length().powi(2) / 12.0;
-            let frequencies = DVector::from_fn(count, |i, _| modes.frequency(i, beam.bending_stiffness));
-            dynamics.mass += modes.mass();
-            dynamics.beam_mass = modes.mass();
-            dynamics.middle = beam.middle;
-            dynamics.inertia += modes.mass() * beam.middle.norm_squared() + beam_inertia;
-            dynamics.psi0 = DVector::from_column_slice(modes.psi0());
-            dynamics.lever = beam.middle.y * &dynamics.psi0 + DVector::from_column_slice(modes.psi1());
-            let ratio = |i: usize| beam.damping_ratios.get(i).copied().unwrap_or(0.0);
-            dynamics.damping = DVector::from_fn(count, |i, _| 2.0 * ratio(i) * frequencies[i]);
-            dynamics.squared_frequencies = frequencies.map(|frequency| frequency * frequency);
-        }
-        dynamics
+        let layout = parameters.layout();
+        let body = |(index, body)| (BodyDynamics::new(body, parameters.gravity), layout.body(index));
+        Self { bodies: parameters.bodies.iter().enumerate().map(body).collect(), layout }
     }
 
-    /// Number N of modes.
-    pub fn modes(&self) -> usize {
-        self.psi0.len()
+    /// Which coordinate is what.
+    pub fn layout(&self) -> &CoordinateLayout {
+        &self.layout
     }
 
-    /// Number n = 3 + N of coordinates.
+    /// Number n of coordinates.
     pub fn size(&self) -> usize {
-        RIGID + self.modes()
+        self.layout.size()
     }
 
-    /// Natural circular frequency of mode `index` (from 0) of the beam between fixed supports, in vacuo, rad/s.
-    pub fn frequency(&self, index: usize) -> f64 {
-        self.squared_frequencies[index].sqrt()
+    /// Natural circular frequency of a mode (from 0) of the members of a body, one after the other, between fixed
+    /// supports, in vacuo, rad/s.
+    pub fn frequency(&self, body: usize, mode: usize) -> f64 {
+        self.bodies[body].0.frequency(mode)
     }
 
     /// M(x) into `out`, n x n: symmetric, positive definite.
     pub fn mass_matrix(&self, position: &DVector<f64>, out: &mut DMatrix<f64>) {
-        let (pose, q) = (self.pose(position), modal(position));
-        let arm = pose.turned_arm();
-        out.fill(0.0);
-        out[(0, 0)] = self.mass;
-        out[(1, 1)] = self.mass;
-        out[(2, 2)] = self.inertia - 2.0 * self.middle.x * self.psi0.dot(&q) + q.norm_squared();
-        for (row, value) in [(0, arm.x), (1, arm.y)] {
-            out[(row, 2)] = value;
-            out[(2, row)] = value;
-        }
-        for i in 0..self.modes() {
-            let column = RIGID + i;
-            for (row, value) in [(0, -self.psi0[i] * pose.e1.x), (1, -self.psi0[i] * pose.e1.y), (2, self.lever[i])] {
-                out[(row, column)] = value;
-                out[(column, row)] = value;
-            }
-            out[(column, column)] = 1.0;
-        }
+        self.blocks(out, |body, own, block| body.mass_matrix(part(position, own), block));
     }
 
     /// `h(x, xd) + grad V(x) + C xd` into `out`, n.
-    ///
-    /// Misprint in the paper: (17) ends with `-theta-dd cos(theta) psi.qdd`, right is `-sin(theta) psi.qdd`, and its terms in
-    /// theta-d^2 and theta-dd have psi03 q3-dot for psi03 q3; (18) has `M_F (x_of cos + y_of sin)` for
-    /// `g (cos m_bx - sin m_by)`: the factor g, the sign and the deflection are missing; (19)-(21) lack the weight of
-    /// the modes, `-g sin(theta) psi0_i`.
     pub fn restoring_force(&self, position: &DVector<f64>, velocity: &DVector<f64>, out: &mut DVector<f64>) {
-        let (pose, q, qd) = (self.pose(position), modal(position), modal(velocity));
-        let spin = velocity[2];
-        let drift = self.psi0.dot(&qd);
-        let rigid = -spin * spin * pose.arm() - 2.0 * spin * drift * pose.e2;
-        out[0] = rigid.x;
-        out[1] = rigid.y + self.mass * self.gravity;
-        out[2] = 2.0 * spin * (q.dot(&qd) - self.middle.x * drift) + self.gravity * pose.turned_arm().y;
-        for (k, spring) in self.springs.iter().enumerate() {
-            out[k] += spring * position[k];
-        }
-        for i in 0..self.modes() {
-            let centrifugal = spin * spin * (self.middle.x * self.psi0[i] - q[i]);
-            let weight = -self.gravity * pose.e1.y * self.psi0[i];
-            out[RIGID + i] = centrifugal + weight + self.squared_frequencies[i] * q[i] + self.damping[i] * qd[i];
-        }
-        if let Some(contact) = &self.contact {
-            contact.add_force(position, velocity, out);
+        for (body, own) in &self.bodies {
+            body.restoring_force(part(position, own), part(velocity, own), &mut rows(out, own));
         }
     }
 
@@ -152,27 +56,9 @@ impl Dynamics {
     /// The sums themselves vanish in equilibrium; these do not, and so tell how much of a residual is more than
     /// rounding. `mass` is M at this position.
     pub(crate) fn add_force_sizes(&self, motion: &Motion, mass: &DMatrix<f64>, out: &mut DVector<f64>) {
-        let (q, qd) = (modal(&motion.position), modal(&motion.velocity));
-        let (spin, drift) = (motion.velocity[2].abs(), self.psi0.dot(&qd).abs());
-        let moment = self.pose(&motion.position).moment.norm();
-        for (row, entry) in out.iter_mut().enumerate() {
-            let terms = motion.acceleration.iter().enumerate().map(|(column, a)| (mass[(row, column)] * a).abs());
-            *entry += terms.sum::<f64>();
-        }
-        let rigid = spin * (spin * moment + 2.0 * drift);
-        out[0] += rigid;
-        out[1] += rigid + self.mass * self.gravity;
-        out[2] += 2.0 * spin * (q.dot(&qd).abs() + self.middle.x.abs() * drift) + self.gravity * moment;
-        for (k, spring) in self.springs.iter().enumerate() {
-            out[k] += spring * motion.position[k].abs();
-        }
-        for i in 0..self.modes() {
-            let centrifugal = spin * spin * ((self.middle.x * self.psi0[i]).abs() + q[i].abs());
-            let bending = self.squared_frequencies[i] * q[i].abs() + self.damping[i] * qd[i].abs();
-            out[RIGID + i] += centrifugal + self.gravity * self.psi0[i].abs() + bending;
-        }
-        if let Some(contact) = &self.contact {
-            contact.add_force_size(motion, out);
+        for (body, own) in &self.bodies {
+            let block: DMatrixView<f64> = mass.view((own.start, own.start), (own.len(), own.len())).into();
+            body.add_force_sizes(&motion.view(own.clone()), &block, &mut rows(out, own));
         }
     }
 
@@ -184,57 +70,14 @@ impl Dynamics {
         acceleration: &DVector<f64>,
         out: &mut DMatrix<f64>,
     ) {
-        let pose = self.pose(position);
-        let (q, qd, qdd) = (modal(position), modal(velocity), modal(acceleration));
-        let (spin, turn) = (velocity[2], acceleration[2]);
-        let rigid_acceleration = Vector2::new(acceleration[0], acceleration[1]);
-        out.fill(0.0);
-        let (drift, push) = (self.psi0.dot(&qd), self.psi0.dot(&qdd));
-        let by_theta =
-            -turn * pose.arm() - push * pose.e2 - spin * spin * pose.turned_arm() + 2.0 * spin * drift * pose.e1;
-        out[(0, 2)] = by_theta.x;
-        out[(1, 2)] = by_theta.y;
-        // d/dtheta of U Rot m_b is -Rot m_b, here against the acceleration of o_R and against gravity.
-        out[(2, 2)] = -pose.arm().dot(&rigid_acceleration) - self.gravity * pose.arm().y;
-        for (k, spring) in self.springs.iter().enumerate() {
-            out[(k, k)] += spring;
-        }
-        for i in 0..self.modes() {
-            let (column, psi0) = (RIGID + i, self.psi0[i]);
-            let rigid_by_mode = psi0 * (spin * spin * pose.e1 - turn * pose.e2);
-            out[(0, column)] = rigid_by_mode.x;
-            out[(1, column)] = rigid_by_mode.y;
-            let shared = -psi0 * (pose.e2.dot(&rigid_acceleration) + self.gravity * pose.e2.y);
-            out[(2, column)] = shared + 2.0 * turn * (q[i] - self.middle.x * psi0) + 2.0 * spin * qd[i];
-            out[(column, 2)] = shared;
-            out[(column, column)] = self.squared_frequencies[i] - spin * spin;
-        }
-        if let Some(contact) = &self.contact {
-            contact.add_stiffness(position, velocity, out);
-        }
+        self.blocks(out, |body, own, block| {
+            body.stiffness(part(position, own), part(velocity, own), part(acceleration, own), block);
+        });
     }
 
     /// d(h + C xd)/d(xd) into `out`, n x n; not symmetric.
     pub fn velocity_tangent(&self, position: &DVector<f64>, velocity: &DVector<f64>, out: &mut DMatrix<f64>) {
-        let (pose, q, qd) = (self.pose(position), modal(position), modal(velocity));
-        let spin = velocity[2];
-        let drift = self.psi0.dot(&qd);
-        out.fill(0.0);
-        let by_spin = -2.0 * (spin * pose.arm() + drift * pose.e2);
-        out[(0, 2)] = by_spin.x;
-        out[(1, 2)] = by_spin.y;
-        out[(2, 2)] = 2.0 * (q.dot(&qd) - self.middle.x * drift);
-        for i in 0..self.modes() {
-            let (column, psi0) = (RIGID + i, self.psi0[i]);
-            out[(0, column)] = -2.0 * spin * psi0 * pose.e2.x;
-            out[(1, column)] = -2.0 * spin * psi0 * pose.e2.y;
-            out[(2, column)] = 2.0 * spin * (q[i] - self.middle.x * psi0);
-            out[(column, 2)] = 2.0 * spin * (self.middle.x * psi0 - q[i]);
-            out[(column, column)] = self.damping[i];
-        }
-        if let Some(contact) = &self.contact {
-            contact.add_velocity_tangent(position, velocity, out);
-        }
+        self.blocks(out, |body, own, block| body.velocity_tangent(part(position, own), part(velocity, own), block));
     }
 
     /// T = 1/2 xd.M(x) xd, J per metre of width.
@@ -242,32 +85,27 @@ impl Dynamics {
         0.5 * velocity.dot(&self.momenta(position, velocity))
     }
 
-    /// V, J per metre of width: weight (zero with o_R at its place in the scene and everything at its height), springs,
+    /// V, J per metre of width: weight (zero with each o_R at its place in the scene and everything at its height), springs,
     /// contact and bending.
-    ///
-    /// Misprint in the paper: (A5) has the beam's centre without its deflection; here m_b carries it.
     pub fn potential_energy(&self, position: &DVector<f64>) -> f64 {
-        let weight = self.gravity * (self.mass * position[1] + self.pose(position).arm().y);
-        let q = modal(position);
-        let springs = self.springs.iter().zip(position.iter()).map(|(spring, x)| 0.5 * spring * x * x).sum::<f64>();
-        let contact = self.contact.as_ref().map_or(0.0, |contact| contact.energy(position));
-        weight
-            + springs
-            + contact
-            + 0.5 * (0..self.modes()).map(|i| self.squared_frequencies[i] * q[i] * q[i]).sum::<f64>()
+        self.bodies.iter().map(|(body, own)| body.potential_energy(part(position, own))).sum()
     }
 
-    /// Linear momentum in the global frame, kg m/s per metre of width.
+    /// Linear momentum of all bodies in the global frame, kg m/s per metre of width.
     pub fn linear_momentum(&self, position: &DVector<f64>, velocity: &DVector<f64>) -> Vector2<f64> {
         let momenta = self.momenta(position, velocity);
-        Vector2::new(momenta[0], momenta[1])
+        self.bodies.iter().map(|(_, own)| Vector2::new(momenta[own.start], momenta[own.start + 1])).sum()
     }
 
-    /// Angular momentum about the place of o_R in the scene (a fixed point), kg m2/s per metre of width.
+    /// Angular momentum, each body about the place of its o_R in the scene (a fixed point), kg m2/s per metre of width.
     pub fn angular_momentum(&self, position: &DVector<f64>, velocity: &DVector<f64>) -> f64 {
         // dT/d(theta-dot) is the momentum about o_R where it is now; the rest carries it to the fixed point.
         let momenta = self.momenta(position, velocity);
-        momenta[2] + position[0] * momenta[1] - position[1] * momenta[0]
+        let of = |own: &Range<usize>| {
+            let (x, momenta) = (part(position, own), part(&momenta, own));
+            momenta[2] + x[0] * momenta[1] - x[1] * momenta[0]
+        };
+        self.bodies.iter().map(|(_, own)| of(own)).sum()
     }
 
     /// dT/d(xd) = M(x) xd.
@@ -277,19 +115,20 @@ impl Dynamics {
         mass * velocity
     }
 
-    fn pose(&self, position: &DVector<f64>) -> Pose {
-        // Misprint in the paper: (A11)-(A13) hold the rotation constant; it is Rot(theta), counted here from the scene's angle.
-        let (sin, cos) = (self.angle + position[2]).sin_cos();
-        let along = self.beam_mass * self.middle.x - self.psi0.dot(&modal(position));
-        Pose {
-            e1: Vector2::new(cos, sin),
-            e2: Vector2::new(-sin, cos),
-            moment: Vector2::new(along, self.beam_mass * self.middle.y),
+    /// Fills in a matrix body by body.
+    fn blocks(&self, out: &mut DMatrix<f64>, fill: impl Fn(&BodyDynamics, &Range<usize>, &mut DMatrixViewMut<f64>)) {
+        out.fill(0.0);
+        for (body, own) in &self.bodies {
+            let mut block: DMatrixViewMut<f64> = out.view_mut((own.start, own.start), (own.len(), own.len())).into();
+            fill(body, own, &mut block);
         }
     }
 }
 
-/// The modal entries of a vector of 3 + N.
-fn modal(vector: &DVector<f64>) -> DVectorView<'_, f64> {
-    vector.rows_range(RIGID..)
+fn part<'a>(vector: &'a DVector<f64>, own: &Range<usize>) -> &'a [f64] {
+    &vector.as_slice()[own.clone()]
+}
+
+fn rows<'a>(vector: &'a mut DVector<f64>, own: &Range<usize>) -> DVectorViewMut<'a, f64> {
+    vector.rows_range_mut(own.clone())
 }

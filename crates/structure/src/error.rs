@@ -1,6 +1,7 @@
 //! What can go wrong, with the numbers that show it.
 
 use digits::six;
+use kinematics::{Coordinate, CoordinateLayout, Part};
 
 /// An input that is refused or a step that could not be made. The state is unchanged in every case.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -120,19 +121,23 @@ pub enum Error {
     },
 }
 
-/// Name of a coordinate, as the variables of the interface have it.
-pub(crate) fn coordinate_name(index: usize) -> String {
-    name(index, ["x", "y", "theta"])
+/// Name of a coordinate, as the variables of the interface have it; with its body where there are several.
+pub(crate) fn coordinate_name(layout: &CoordinateLayout, index: usize) -> String {
+    name(layout, index, ["x", "y", "theta"])
 }
 
 /// Name of a component of the generalised load.
-pub(crate) fn load_name(index: usize) -> String {
-    name(index, ["fx", "fy", "mz"])
+pub(crate) fn load_name(layout: &CoordinateLayout, index: usize) -> String {
+    name(layout, index, ["fx", "fy", "mz"])
 }
 
-fn name(index: usize, rigid: [&str; kinematics::RIGID]) -> String {
-    match rigid.get(index) {
-        Some(rigid) => (*rigid).to_string(),
-        None => format!("q[{}]", index + 1 - kinematics::RIGID),
-    }
+fn name(layout: &CoordinateLayout, index: usize, [x, y, theta]: [&str; 3]) -> String {
+    let Some(Coordinate { body, part }) = layout.coordinates().nth(index) else { return format!("coordinate {index}") };
+    let own = match part {
+        Part::X => x.to_string(),
+        Part::Y => y.to_string(),
+        Part::Theta => theta.to_string(),
+        Part::Mode { .. } => format!("q[{}]", index + 1 - layout.rigid(body).end),
+    };
+    if layout.bodies() == 1 { own } else { format!("{own} of body {}", body + 1) }
 }

@@ -1,29 +1,16 @@
 //! What a structure is made of and how it is integrated; validated once by [`crate::Solver::new`].
 
 use crate::Error;
-use kinematics::BeamModes;
+use kinematics::{BeamModes, CoordinateLayout};
 use nalgebra::Vector2;
 
-/// A rigid cabin, with or without a beam.
+/// Bodies with their members, and how they are integrated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
-    /// M_R, mass of the rigid part, kg per metre of width. Positive when X or Y is free.
-    pub rigid_mass: f64,
-    /// I_R, moment of inertia of the rigid part about its centre of gravity o_R, kg m2 per metre of width. Positive
-    /// when theta is free.
-    pub rigid_inertia: f64,
+    /// The bodies, in the order of their coordinates.
+    pub bodies: Vec<BodyParameters>,
     /// Acceleration of gravity along -Y of the global frame, m/s2, at least 0.
     pub gravity: f64,
-    /// Angle of the body frame in the scene, rad, counter-clockwise; theta is counted from it.
-    pub angle: f64,
-    /// The elastic part.
-    pub beam: Option<BeamParameters>,
-    /// Which of X, Y and theta move. A locked coordinate is not solved for: the system has a row less.
-    pub free: [bool; 3],
-    /// Springs that pull X, Y and theta back to the scene's pose, N/m, N/m and N m/rad per metre of width, at least 0.
-    pub springs: [f64; 3],
-    /// Contact with fixed walls; none where the cabin cannot meet any.
-    pub contact: Option<ContactParameters>,
     /// Time integration.
     pub integrator: Integrator,
     /// Bound of the relative residual at which Newton-Raphson stops, in [1e-13, 1e-2]; 1e-11 costs one iteration more
@@ -31,6 +18,26 @@ pub struct Parameters {
     pub tolerance: f64,
     /// Newton-Raphson iterations after which a step is given up, at least 1; 20 is ample.
     pub maximum_iterations: usize,
+}
+
+/// A rigid body with its elastic members.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyParameters {
+    /// M_R, mass of the rigid part, kg per metre of width. Positive when X or Y is free.
+    pub rigid_mass: f64,
+    /// I_R, moment of inertia of the rigid part about its centre of gravity o_R, kg m2 per metre of width. Positive
+    /// when theta is free.
+    pub rigid_inertia: f64,
+    /// Angle of the body frame in the scene, rad, counter-clockwise; theta is counted from it.
+    pub angle: f64,
+    /// The elastic members.
+    pub members: Vec<BeamParameters>,
+    /// Which of X, Y and theta move. A locked coordinate is not solved for: the system has a row less.
+    pub free: [bool; 3],
+    /// Springs that pull X, Y and theta back to the scene's pose, N/m, N/m and N m/rad per metre of width, at least 0.
+    pub springs: [f64; 3],
+    /// Contact with fixed walls; none where the body cannot meet any.
+    pub contact: Option<ContactParameters>,
 }
 
 /// An elastic beam of the body. With zero modes it is a rigid bulkhead with its mass.
@@ -92,25 +99,14 @@ impl Default for Integrator {
 }
 
 impl Parameters {
-    /// Number N of modes.
-    pub fn modes(&self) -> usize {
-        self.beam.as_ref().map_or(0, |beam| beam.modes.count())
+    /// Which coordinate is what.
+    pub fn layout(&self) -> CoordinateLayout {
+        let modes = |body: &BodyParameters| body.members.iter().map(|beam| beam.modes.count()).collect();
+        CoordinateLayout::new(self.bodies.iter().map(modes).collect())
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
-        let inertial = |what: &str, value: f64, moves: bool, range: &'static str| {
-            let inside = if moves { value > 0.0 } else { value >= 0.0 };
-            check(what, value, inside, if moves { range } else { "at least 0 and finite" })
-        };
-        let [x, y, theta] = self.free;
-        inertial("the rigid mass [kg/m]", self.rigid_mass, x || y, "positive and finite when x or y is free")?;
-        let what = "the rigid moment of inertia [kg m2/m]";
-        inertial(what, self.rigid_inertia, theta, "positive and finite when theta is free")?;
         check("the gravity [m/s2]", self.gravity, self.gravity >= 0.0, "at least 0 and finite")?;
-        check("the angle [rad]", self.angle, true, "finite")?;
-        for (name, &spring) in ["x", "y", "theta"].iter().zip(&self.springs) {
-            check(&format!("the spring on {name}"), spring, spring >= 0.0, "at least 0 and finite")?;
-        }
         check(
             "the tolerance of Newton-Raphson",
             self.tolerance,
@@ -119,17 +115,48 @@ impl Parameters {
         )?;
         let iterations = self.maximum_iterations as f64;
         check("the largest number of iterations", iterations, iterations >= 1.0, "at least 1")?;
-        if let Some(beam) = &self.beam {
-            beam.validate()?;
-        }
-        if let Some(contact) = &self.contact {
-            contact.validate()?;
-        }
+        self.bodies.iter().try_for_each(BodyParameters::validate)?;
         self.integrator.validate()
     }
 }
 
+impl BodyParameters {
+    fn validate(&self) -> Result<(), Error> {
+        let inertial = |what: &str, value: f64, moves: bool, range: &'static str| {
+            let inside = if moves { value > 0.0 } else { value >= 0.0 };
+            check(what, value, inside, if moves { range } else { "at least 0 and finite" })
+        };
+        let [x, y, theta] = self.free;
+        inertial("the rigid mass [kg/m]", self.rigid_mass, x || y, "positive and finite when x or y is free")?;
+        let what = "the rigid moment of inertia [kg m2/m]";
+        inertial(what, self.rigid_inertia, theta, "positive and finite when theta is free")?;
+        check("the angle [rad]", self.angle, true, "finite")?;
+        for (name, &spring) in ["x", "y", "theta"].iter().zip(&self.springs) {
+            check(&format!("the spring on {name}"), spring, spring >= 0.0, "at least 0 and finite")?;
+        }
+        self.members.iter().try_for_each(BeamParameters::validate)?;
+        self.contact.as_ref().map_or(Ok(()), ContactParameters::validate)
+    }
+}
+
+/// Places along a beam at which its deflection is checked.
+const STATIONS: usize = 8;
+
 impl BeamParameters {
+    /// Refuses a deflection beyond what a linear beam bears.
+    pub(crate) fn check_deflection(&self, amplitudes: &[f64], time: f64) -> Result<(), Error> {
+        let limit = self.deflection_limit;
+        for part in 1..=STATIONS {
+            let station = self.modes.length() * part as f64 / STATIONS as f64;
+            // The outputs have it positive along +x of the body, eta is so along -x.
+            let deflection = -self.modes.deflection(station, amplitudes);
+            if deflection.abs() > limit {
+                return Err(Error::Deflection { deflection, station, time, limit });
+            }
+        }
+        Ok(())
+    }
+
     fn validate(&self) -> Result<(), Error> {
         check("the beam's middle x [m]", self.middle.x, true, "finite")?;
         check("the beam's middle y [m]", self.middle.y, true, "finite")?;

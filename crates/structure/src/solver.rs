@@ -4,13 +4,10 @@ use crate::error::{coordinate_name, load_name};
 use crate::scheme::Scheme;
 use crate::system::FreeCoordinates;
 use crate::{Dynamics, Error, Parameters, Report, State, Workspace};
-use kinematics::{Motion, RIGID};
+use kinematics::{Coordinate, Motion, Part};
 use nalgebra::{Cholesky, DVector, Dyn, Vector2};
 
-/// Places along a beam at which its deflection is checked.
-const STATIONS: usize = 8;
-
-/// Integrates a cabin with a beam under generalised loads.
+/// Integrates bodies with their members under generalised loads.
 ///
 /// A step from t to t + H solves the equations of [`Dynamics`] for the acceleration a1 of the free coordinates, with
 /// the load Q held over the step (Newmark 1959 or Chung and Hulbert 1993, see [`crate::Integrator`]):
@@ -38,7 +35,8 @@ impl Solver {
     pub fn new(parameters: Parameters) -> Result<Self, Error> {
         parameters.validate()?;
         let dynamics = Dynamics::new(&parameters);
-        let free = FreeCoordinates::new(parameters.free, parameters.modes());
+        let free: Vec<_> = parameters.bodies.iter().map(|body| body.free).collect();
+        let free = FreeCoordinates::new(&free, dynamics.layout());
         Ok(Self { dynamics, scheme: Scheme::new(parameters.integrator), free, parameters })
     }
 
@@ -54,24 +52,27 @@ impl Solver {
 
     /// Scratch for [`Solver::step`]; one per thread of use.
     pub fn workspace(&self) -> Workspace {
-        Workspace::new(self.dynamics.modes())
+        Workspace::new(self.dynamics.size())
     }
 
-    /// At rest at t = 0 in the scene's pose, with the beam bent by `initial_modes` (q, m sqrt(kg/m); empty for
-    /// straight, or N).
+    /// At rest at t = 0 in the scene's pose, with the members bent by `initial_modes` (q, m sqrt(kg/m); empty for
+    /// straight, or all of them).
     ///
     /// The acceleration is zero: it belongs to a load, and there is none before the first step.
     ///
     /// # Errors
     /// Another number of entries, or one that is not finite.
     pub fn initial_state(&self, initial_modes: &[f64]) -> Result<State, Error> {
-        let (expected, got) = (self.dynamics.modes(), initial_modes.len());
+        let layout = self.dynamics.layout();
+        let is_mode = |coordinate: &Coordinate| matches!(coordinate.part, Part::Mode { .. });
+        let (expected, got) = (layout.coordinates().filter(is_mode).count(), initial_modes.len());
         if got != 0 && got != expected {
             return Err(Error::Length { what: "the list of initial modes", expected, got });
         }
-        let mut motion = Motion::at_rest(expected);
-        for (entry, &value) in motion.position.as_mut_slice()[RIGID..].iter_mut().zip(initial_modes) {
-            *entry = value;
+        let mut motion = Motion::zeros(layout.size());
+        let modes = layout.coordinates().enumerate().filter(|(_, coordinate)| is_mode(coordinate));
+        for ((index, _), &value) in modes.zip(initial_modes) {
+            motion.position[index] = value;
         }
         let state = State { time: 0.0, motion, algorithmic_acceleration: None };
         self.check_state(&state)?;
@@ -132,10 +133,11 @@ impl Solver {
         self.dynamics.angular_momentum(&state.motion.position, &state.motion.velocity)
     }
 
-    /// Deflection eta, m, along -x of the body, at `station` in [0, l] m of the beam; 0 without a beam.
-    pub fn deflection(&self, state: &State, station: f64) -> f64 {
-        let amplitudes = &state.motion.position.as_slice()[RIGID..];
-        self.parameters.beam.as_ref().map_or(0.0, |beam| beam.modes.deflection(station, amplitudes))
+    /// Deflection eta, m, along -x of its body, at `station` in [0, l] m of a member; 0 where there is none.
+    pub fn deflection(&self, state: &State, body: usize, member: usize, station: f64) -> f64 {
+        let Some(beam) = self.parameters.bodies.get(body).and_then(|body| body.members.get(member)) else { return 0.0 };
+        let own = self.dynamics.layout().member(body, member);
+        beam.modes.deflection(station, &state.motion.position.as_slice()[own])
     }
 
     /// Factor of the mass matrix of the free coordinates.
@@ -202,14 +204,10 @@ impl Solver {
 
     /// Refuses a beam bent beyond what a linear one bears.
     fn check_deflection(&self, position: &[f64], time: f64) -> Result<(), Error> {
-        let Some(beam) = self.parameters.beam.as_ref().filter(|beam| beam.modes.count() > 0) else { return Ok(()) };
-        let limit = beam.deflection_limit;
-        for part in 1..=STATIONS {
-            let station = beam.modes.length() * part as f64 / STATIONS as f64;
-            // The outputs have it positive along +x of the body, eta is so along -x.
-            let deflection = -beam.modes.deflection(station, &position[RIGID..]);
-            if deflection.abs() > limit {
-                return Err(Error::Deflection { deflection, station, time, limit });
+        for (index, body) in self.parameters.bodies.iter().enumerate() {
+            for (member, beam) in body.members.iter().enumerate().filter(|(_, beam)| beam.modes.count() > 0) {
+                let amplitudes = &position[self.dynamics.layout().member(index, member)];
+                beam.check_deflection(amplitudes, time)?;
             }
         }
         Ok(())
@@ -222,7 +220,7 @@ impl Solver {
             return Err(Error::Length { what: "the load", expected, got: load.len() });
         }
         if let Some((index, &value)) = load.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-            return Err(Error::LoadNotFinite { component: load_name(index), value, time });
+            return Err(Error::LoadNotFinite { component: load_name(self.dynamics.layout(), index), value, time });
         }
         if !(duration.is_finite() && duration > 0.0) {
             return Err(Error::Duration { duration, time });
@@ -245,14 +243,21 @@ impl Solver {
                 return Err(Error::Length { what: "the motion of the state", expected, got: part.len() });
             }
             if let Some((index, &value)) = part.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-                return Err(Error::StateNotFinite { coordinate: coordinate_name(index), rate, value, time });
+                return Err(Error::StateNotFinite {
+                    coordinate: coordinate_name(self.dynamics.layout(), index),
+                    rate,
+                    value,
+                    time,
+                });
             }
         }
         let moving = |&index: &usize| !self.free.contains(index) && motion.velocity[index] != 0.0;
         match (0..expected).find(moving) {
-            Some(index) => {
-                Err(Error::LockedMoves { coordinate: coordinate_name(index), velocity: motion.velocity[index], time })
-            }
+            Some(index) => Err(Error::LockedMoves {
+                coordinate: coordinate_name(self.dynamics.layout(), index),
+                velocity: motion.velocity[index],
+                time,
+            }),
             None => Ok(()),
         }
     }

@@ -38,9 +38,8 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    pub(crate) fn new(modes: usize) -> Self {
-        let motion = Motion::at_rest(modes);
-        let size = motion.position.len();
+    pub(crate) fn new(size: usize) -> Self {
+        let motion = Motion::zeros(size);
         let matrix = DMatrix::zeros(size, size);
         Self {
             mass: matrix.clone(),

@@ -1,6 +1,6 @@
 //! The system of the free coordinates: gathered from the full one, which it does not change in any other way.
 
-use kinematics::RIGID;
+use kinematics::{Coordinate, CoordinateLayout, Part};
 use nalgebra::{DMatrix, DVector};
 
 /// Which coordinates are solved for, in rising order.
@@ -11,9 +11,19 @@ pub(crate) struct FreeCoordinates {
 }
 
 impl FreeCoordinates {
-    pub(crate) fn new(free: [bool; RIGID], modes: usize) -> Self {
-        let size = RIGID + modes;
-        Self { indices: (0..size).filter(|&index| index >= RIGID || free[index]).collect(), size }
+    /// Of bodies of which X, Y and theta are free or not; modes are.
+    pub(crate) fn new(free: &[[bool; 3]], layout: &CoordinateLayout) -> Self {
+        let is_free = |(index, coordinate): (usize, Coordinate)| {
+            let [x, y, theta] = free[coordinate.body];
+            let free = match coordinate.part {
+                Part::X => x,
+                Part::Y => y,
+                Part::Theta => theta,
+                Part::Mode { .. } => true,
+            };
+            free.then_some(index)
+        };
+        Self { indices: layout.coordinates().enumerate().filter_map(is_free).collect(), size: layout.size() }
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -69,7 +79,7 @@ mod tests {
 
     #[test]
     fn locked_coordinates_leave_and_come_back_as_zeros() {
-        let free = FreeCoordinates::new([false, true, false], 2);
+        let free = FreeCoordinates::new(&[[false, true, false]], &CoordinateLayout::single(2));
         assert_eq!((free.count(), free.contains(0), free.contains(1), free.contains(4)), (3, false, true, true));
         let full = DVector::from_vec(vec![1.0, 2.0, 3.0, 4.0, 5.0]);
         let reduced = free.gather(&full);

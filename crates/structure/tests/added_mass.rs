@@ -3,13 +3,13 @@
 
 mod common;
 
-use common::{cabin, run, state};
+use common::{Parameters, cabin, run, state};
 use nalgebra::{DMatrix, DVector};
-use structure::{AddedMass, Parameters, Solver};
+use structure::{AddedMass, Solver};
 
 fn heave(mass: f64, spring: f64) -> Solver {
     let free = [false, true, false];
-    Solver::new(Parameters { rigid_mass: mass, free, springs: [0.0, spring, 0.0], beam: None, ..cabin(0, 1.0, 0.0) })
+    common::built(Parameters { rigid_mass: mass, free, springs: [0.0, spring, 0.0], beam: None, ..cabin(0, 1.0, 0.0) })
         .unwrap()
 }
 
@@ -42,7 +42,7 @@ fn added_mass_is_mass() {
 /// The sensitivity of a step with added mass against finite differences.
 #[test]
 fn the_sensitivity_knows_the_added_mass() {
-    let solver = Solver::new(cabin(2, 40.0, 9.81)).unwrap();
+    let solver = common::built(cabin(2, 40.0, 9.81)).unwrap();
     let size = 5;
     let root = DMatrix::from_fn(size, size, |row, column| ((row * 5 + column * 3) % 7) as f64 - 2.0);
     let matrix = &root * root.transpose() * 20.0;

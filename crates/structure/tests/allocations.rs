@@ -3,11 +3,10 @@
 
 mod common;
 use common::{cabin, tumbling};
-use structure::Solver;
 
 #[test]
 fn steps_do_not_pile_up_memory() {
-    let solver = Solver::new(cabin(3, 508.4, 9.81)).unwrap();
+    let solver = common::built(cabin(3, 508.4, 9.81)).unwrap();
     let (mut state, mut workspace) = (tumbling(&solver), solver.workspace());
     let mut count = |steps: usize| {
         let mut iterations = 0;

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case has failed")]
 
 mod common;
-use common::{LENGTH, LINE_DENSITY, cabin, clamped, run};
+use common::{LENGTH, LINE_DENSITY, Parameters, cabin, clamped, run};
 use kinematics::Support::{ClampedFree, FixedFixed};
-use structure::{Integrator, Parameters, Solver};
+use structure::Integrator;
 
 /// Mean circular frequency over whole periods of the sign changes of `value`, sampled every `duration`.
 fn frequency_of(samples: &[f64], duration: f64) -> f64 {
@@ -21,9 +21,9 @@ fn frequency_of(samples: &[f64], duration: f64) -> f64 {
 #[test]
 fn free_decay_has_the_natural_frequencies() {
     for support in [FixedFixed, ClampedFree] {
-        let solver = Solver::new(clamped(support, 3, 508.4265)).unwrap();
+        let solver = common::built(clamped(support, 3, 508.4265)).unwrap();
         for mode in 0..3 {
-            let exact = solver.dynamics().frequency(mode);
+            let exact = solver.dynamics().frequency(0, mode);
             let duration = 0.02 / exact;
             let mut initial = [0.0; 3];
             initial[mode] = 0.01;
@@ -45,9 +45,9 @@ fn free_decay_has_the_natural_frequencies() {
 #[test]
 fn the_paper_s_bulkhead_has_the_printed_frequencies() {
     // Table 1: 508.4265, 1401.4972, 2747.4948 rad/s.
-    let solver = Solver::new(clamped(FixedFixed, 3, 508.4265)).unwrap();
+    let solver = common::built(clamped(FixedFixed, 3, 508.4265)).unwrap();
     for (mode, printed) in [508.4265, 1401.4972, 2747.4948].into_iter().enumerate() {
-        assert!((solver.dynamics().frequency(mode) / printed - 1.0).abs() < 1e-6);
+        assert!((solver.dynamics().frequency(0, mode) / printed - 1.0).abs() < 1e-6);
     }
 }
 
@@ -55,8 +55,8 @@ fn the_paper_s_bulkhead_has_the_printed_frequencies() {
 fn a_cart_that_rolls_freely_raises_the_frequency() {
     // X and q alone: (1 - psi0^2/M) qdd + omega^2 q = 0, by elimination of X.
     let parameters = Parameters { free: [true, false, false], angle: 0.0, ..cabin(1, 50.0, 0.0) };
-    let solver = Solver::new(Parameters { rigid_mass: 5.0, ..parameters }).unwrap();
-    let psi0 = solver.parameters().beam.as_ref().unwrap().modes.psi0()[0];
+    let solver = common::built(Parameters { rigid_mass: 5.0, ..parameters }).unwrap();
+    let psi0 = solver.parameters().bodies[0].members[0].modes.psi0()[0];
     let exact = 50.0 / (1.0 - psi0 * psi0 / (5.0 + LINE_DENSITY * LENGTH)).sqrt();
     let duration = 0.005 / exact;
     let mut state = solver.initial_state(&[0.01]).unwrap();
@@ -73,9 +73,9 @@ fn a_cart_that_rolls_freely_raises_the_frequency() {
 fn modal_damping_decays_as_said() {
     let mut parameters = clamped(ClampedFree, 2, 30.0);
     parameters.beam.as_mut().unwrap().damping_ratios = vec![0.02, 0.05];
-    let solver = Solver::new(parameters).unwrap();
+    let solver = common::built(parameters).unwrap();
     for (mode, ratio) in [(0, 0.02_f64), (1, 0.05)] {
-        let frequency = solver.dynamics().frequency(mode);
+        let frequency = solver.dynamics().frequency(0, mode);
         let mut initial = [0.0; 2];
         initial[mode] = 1.0;
         let mut state = solver.initial_state(&initial).unwrap();
@@ -92,13 +92,13 @@ fn modal_damping_decays_as_said() {
 /// generalised-alpha method that annihilates what it does not resolve.
 fn static_deflection(support: kinematics::Support, count: usize, pressure: f64, station: f64) -> f64 {
     let integrator = Integrator::GeneralisedAlpha { rho_infinity: 0.0 };
-    let solver = Solver::new(Parameters { integrator, ..clamped(support, count, 100.0) }).unwrap();
-    let psi0 = solver.parameters().beam.as_ref().unwrap().modes.psi0();
+    let solver = common::built(Parameters { integrator, ..clamped(support, count, 100.0) }).unwrap();
+    let psi0 = solver.parameters().bodies[0].members[0].modes.psi0();
     let mut load = vec![0.0; 3];
     load.extend(psi0.iter().map(|psi0| pressure * psi0 / LINE_DENSITY));
     let mut state = solver.initial_state(&[]).unwrap();
     run(&solver, &mut state, &load, 10.0, 12);
-    solver.deflection(&state, station)
+    solver.deflection(&state, 0, 0, station)
 }
 
 #[test]
@@ -123,11 +123,11 @@ fn gravity_bends_a_leaning_plate_towards_the_ground() {
     let angle = -std::f64::consts::FRAC_PI_2;
     let parameters = Parameters { integrator, angle, gravity: 9.81, ..clamped(ClampedFree, 30, 100.0) };
     let stiffness = parameters.beam.as_ref().unwrap().bending_stiffness;
-    let solver = Solver::new(parameters).unwrap();
+    let solver = common::built(parameters).unwrap();
     let mut state = solver.initial_state(&[]).unwrap();
     run(&solver, &mut state, &[0.0; 33], 10.0, 12);
     let exact = -LINE_DENSITY * 9.81 * LENGTH.powi(4) / (8.0 * stiffness);
-    let value = solver.deflection(&state, LENGTH);
+    let value = solver.deflection(&state, 0, 0, LENGTH);
     assert!((value / exact - 1.0).abs() < 1e-6, "{value} {exact}");
 }
 
@@ -139,7 +139,7 @@ fn a_hanging_bulkhead_swings_as_a_physical_pendulum() {
     let mut parameters = Parameters { free: [false, false, true], ..cabin(0, 50.0, 9.81) };
     parameters.angle = amplitude;
     parameters.beam.as_mut().unwrap().middle = nalgebra::Vector2::new(0.0, -0.5);
-    let solver = Solver::new(parameters).unwrap();
+    let solver = common::built(parameters).unwrap();
     let mass = LINE_DENSITY * LENGTH;
     let inertia = 15.0 + mass * (0.25 + LENGTH * LENGTH / 12.0);
     let small = (mass * 9.81 * 0.5 / inertia).sqrt();

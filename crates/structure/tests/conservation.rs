@@ -14,8 +14,8 @@ fn invariants(solver: &Solver, state: &State) -> (f64, Vector2<f64>, f64) {
 
 /// Largest relative drifts of energy, linear and angular momentum over `end` s, against the laws of free fall.
 fn drifts(gravity: f64, integrator: Integrator, duration: f64, end: f64) -> [f64; 3] {
-    let parameters = structure::Parameters { integrator, ..cabin(3, 40.0, gravity) };
-    let solver = Solver::new(parameters).unwrap();
+    let parameters = common::Parameters { integrator, ..cabin(3, 40.0, gravity) };
+    let solver = common::built(parameters).unwrap();
     let mut state = tumbling(&solver);
     let (energy, linear, angular) = invariants(&solver, &state);
     let mass = 222.6 + common::LINE_DENSITY * common::LENGTH;
@@ -39,10 +39,10 @@ fn drifts(gravity: f64, integrator: Integrator, duration: f64, end: f64) -> [f64
 
 /// First moment of the beam about o_R along X, kg m/m: (Rot m_b).x.
 fn first_moment(solver: &Solver, state: &State) -> f64 {
-    let beam = solver.parameters().beam.as_ref().unwrap();
+    let beam = &solver.parameters().bodies[0].members[0];
     let q = &state.motion.position.as_slice()[3..];
     let psi: f64 = beam.modes.psi0().iter().zip(q).map(|(a, b)| a * b).sum();
-    let (sin, cos) = (solver.parameters().angle + state.motion.position[2]).sin_cos();
+    let (sin, cos) = (solver.parameters().bodies[0].angle + state.motion.position[2]).sin_cos();
     (beam.modes.mass() * beam.middle.x - psi) * cos - beam.modes.mass() * beam.middle.y * sin
 }
 
@@ -67,8 +67,8 @@ fn generalised_alpha_keeps_what_it_resolves() {
 #[test]
 fn a_rigid_body_flies_as_newton_says() {
     // Without a beam: parabola and constant spin, which the average acceleration integrates exactly.
-    let parameters = structure::Parameters { beam: None, ..cabin(0, 40.0, 9.81) };
-    let solver = Solver::new(parameters).unwrap();
+    let parameters = common::Parameters { beam: None, ..cabin(0, 40.0, 9.81) };
+    let solver = common::built(parameters).unwrap();
     let mut state = common::state(&solver, &[0.0; 3], &[1.0, 2.0, 3.0]);
     run(&solver, &mut state, &[0.0; 3], 0.01, 100);
     let expected = [1.0, 2.0 - 0.5 * 9.81, 3.0];

@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case has failed")]
 
 mod common;
-use common::cabin;
+use common::{Parameters, cabin};
 use kinematics::Support;
 use nalgebra::{DMatrix, DVector, Vector2};
-use structure::{ContactParameters, Error, Parameters, Solver};
+use structure::{ContactParameters, Error, Solver};
 
 const MASS: f64 = 40.0;
 const GRAVITY: f64 = 9.81;
@@ -21,7 +21,7 @@ fn box_over_a_floor(damping: f64) -> Solver {
         corners: [(-0.2, -0.1), (0.2, -0.1), (0.2, 0.1), (-0.2, 0.1)].map(|(x, y)| Vector2::new(x, y)).to_vec(),
         walls: vec![[Vector2::new(-5.0, -0.15), Vector2::new(5.0, -0.15)]],
     };
-    Solver::new(Parameters {
+    common::built(Parameters {
         rigid_mass: MASS,
         angle: 0.0,
         rigid_inertia: 0.7,
@@ -85,10 +85,10 @@ fn a_dropped_box_comes_to_rest_on_the_floor() {
 #[test]
 fn contact_without_sense_is_refused() {
     let mut parameters = box_over_a_floor(0.0).parameters().clone();
-    if let Some(contact) = &mut parameters.contact {
+    if let Some(contact) = &mut parameters.bodies[0].contact {
         contact.walls[0][1] = contact.walls[0][0];
     }
-    let text = Solver::new(parameters).unwrap_err().to_string();
+    let text = structure::Solver::new(parameters).unwrap_err().to_string();
     assert!(text.contains("the length of a wall in contact"), "{text}");
 }
 
@@ -99,7 +99,7 @@ fn a_beam_bent_too_far_is_refused_with_place_and_limit() {
     beam.deflection_limit = 0.01;
     parameters.free = [false; 3];
     parameters.beam = Some(beam);
-    let solver = Solver::new(parameters).unwrap();
+    let solver = common::built(parameters).unwrap();
     let mut state = solver.initial_state(&[]).unwrap();
     let before = state.clone();
     let mut load = [0.0; 6];

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case has failed")]
 
 mod common;
-use common::{LENGTH, LINE_DENSITY, cabin};
+use common::{LENGTH, LINE_DENSITY, Parameters, cabin};
 use kinematics::{Beam, Body, MaterialPoint, Motion, Support};
 use nalgebra::{Cholesky, DMatrix, DVector, Vector2};
 use proptest::prelude::*;
-use structure::{Dynamics, Parameters, Solver};
+use structure::{Dynamics, Solver};
 
 const STEP: f64 = 1e-5;
 
@@ -17,7 +17,7 @@ fn solver(fixed: bool, middle: [f64; 2], angle: f64) -> Solver {
     beam.middle = Vector2::new(middle[0], middle[1]);
     beam.damping_ratios = vec![0.01, 0.02, 0.05];
     parameters.beam = Some(beam);
-    Solver::new(parameters).unwrap()
+    common::built(parameters).unwrap()
 }
 
 fn solvers() -> impl Strategy<Value = Solver> {
@@ -53,19 +53,20 @@ where
 /// T and the height part of V, summed over the moving points of the body that the fluid would see.
 fn energies_of_points(solver: &Solver, motion: &Motion) -> (f64, f64) {
     let parameters = solver.parameters();
-    let source = parameters.beam.as_ref().unwrap();
+    let source = &parameters.bodies[0].members[0];
     let beam = Beam { middle: source.middle, thickness: 0.018, modes: source.modes.clone() };
-    let body = Body { origin: Vector2::zeros(), angle: parameters.angle, walls: Vec::new(), beam: Some(beam) };
+    let body =
+        Body { origin: Vector2::zeros(), angle: parameters.bodies[0].angle, walls: Vec::new(), members: vec![beam] };
     let centre = MaterialPoint::Rigid(Vector2::zeros());
     let spin = motion.velocity[2];
-    let mut kinetic = 0.5 * parameters.rigid_mass * body.velocity(centre, motion).norm_squared()
-        + 0.5 * parameters.rigid_inertia * spin * spin;
-    let mut weight = parameters.rigid_mass * 9.81 * body.position(centre, motion).y;
+    let mut kinetic = 0.5 * parameters.bodies[0].rigid_mass * body.velocity(centre, motion).norm_squared()
+        + 0.5 * parameters.bodies[0].rigid_inertia * spin * spin;
+    let mut weight = parameters.bodies[0].rigid_mass * 9.81 * body.position(centre, motion).y;
     // Simpson's rule on 400 cells.
     for node in 0..=800 {
         let ends = if node == 0 || node == 800 { 1.0 } else { 2.0 + 2.0 * f64::from(node % 2) };
         let element = ends / 2400.0 * LENGTH * LINE_DENSITY;
-        let point = MaterialPoint::Beam { station: LENGTH * f64::from(node) / 800.0, offset: 0.0 };
+        let point = MaterialPoint::Beam { member: 0, station: LENGTH * f64::from(node) / 800.0, offset: 0.0 };
         kinetic += 0.5 * element * body.velocity(point, motion).norm_squared();
         weight += element * 9.81 * body.position(point, motion).y;
     }
@@ -78,7 +79,7 @@ proptest! {
         let motion = Motion { position: x.clone(), velocity: v.clone(), acceleration: DVector::zeros(6) };
         let (kinetic, weight) = energies_of_points(&solver, &motion);
         let dynamics = solver.dynamics();
-        let bending: f64 = (0..3).map(|i| 0.5 * (dynamics.frequency(i) * x[3 + i]).powi(2)).sum();
+        let bending: f64 = (0..3).map(|i| 0.5 * (dynamics.frequency(0, i) * x[3 + i]).powi(2)).sum();
         prop_assert!((dynamics.kinetic_energy(&x, &v) - kinetic).abs() < 1e-7 * (1.0 + kinetic));
         prop_assert!((dynamics.potential_energy(&x) - weight - bending).abs() < 1e-7 * (1.0 + weight.abs() + bending));
     }
@@ -105,7 +106,7 @@ proptest! {
         for k in 0..6 {
             let kinetic = difference(&x, k, |x| dynamics.kinetic_energy(x, &v));
             let potential = difference(&x, k, |x| dynamics.potential_energy(x));
-            let damping = if k < 3 { 0.0 } else { 2.0 * [0.01, 0.02, 0.05][k - 3] * dynamics.frequency(k - 3) * v[k] };
+            let damping = if k < 3 { 0.0 } else { 2.0 * [0.01, 0.02, 0.05][k - 3] * dynamics.frequency(0, k - 3) * v[k] };
             let expected = inertial[k] - kinetic + potential + damping;
             prop_assert!((exact[k] - expected).abs() < 1e-8 * exact.norm() + 1e-4, "{k}: {} {expected}", exact[k]);
         }

@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up its case has failed")]
 
 mod common;
-use common::{AVERAGE, LENGTH, LINE_DENSITY, cabin, clamped, run, tumbling};
+use common::{AVERAGE, LENGTH, LINE_DENSITY, Parameters, cabin, clamped, run, tumbling};
 use kinematics::Support;
 use nalgebra::{DMatrix, DVector, Vector2};
-use structure::{Error, Integrator, Parameters, Solver, State};
+use structure::{Error, Integrator, Solver, State};
 
 const ALPHA: Integrator = Integrator::GeneralisedAlpha { rho_infinity: 0.8 };
 const LOAD: [f64; 6] = [500.0, 1500.0, 60.0, 30.0, -20.0, 10.0];
@@ -33,18 +33,18 @@ fn linear(
 #[test]
 fn locked_coordinates_are_a_smaller_system() {
     // Heave and modes alone, theta locked at the scene's angle: a linear system of four rows.
-    let solver = Solver::new(Parameters { free: [false, true, false], ..cabin(3, 40.0, 0.0) }).unwrap();
+    let solver = common::built(Parameters { free: [false, true, false], ..cabin(3, 40.0, 0.0) }).unwrap();
     let mut state = solver.initial_state(&[]).unwrap();
     run(&solver, &mut state, &LOAD, 0.005, 200);
 
-    let psi0 = solver.parameters().beam.as_ref().unwrap().modes.psi0();
+    let psi0 = solver.parameters().bodies[0].members[0].modes.psi0();
     let mut mass = DMatrix::identity(4, 4);
     mass[(0, 0)] = 222.6 + LINE_DENSITY * LENGTH;
     let mut stiffness = DMatrix::zeros(4, 4);
     for i in 0..3 {
         mass[(0, i + 1)] = -psi0[i] * 0.3_f64.sin();
         mass[(i + 1, 0)] = mass[(0, i + 1)];
-        stiffness[(i + 1, i + 1)] = solver.dynamics().frequency(i).powi(2);
+        stiffness[(i + 1, i + 1)] = solver.dynamics().frequency(0, i).powi(2);
     }
     let load = DVector::from_column_slice(&[LOAD[1], LOAD[3], LOAD[4], LOAD[5]]);
     let expected = linear(&mass, &stiffness, &load, 0.005, 200);
@@ -59,9 +59,9 @@ fn locked_coordinates_are_a_smaller_system() {
 #[test]
 fn what_is_locked_has_no_influence() {
     // Between immovable supports neither the mass of the cabin nor loads on it matter: same bits.
-    let solver = Solver::new(clamped(Support::ClampedFree, 3, 40.0)).unwrap();
+    let solver = common::built(clamped(Support::ClampedFree, 3, 40.0)).unwrap();
     let heavy = Parameters { rigid_mass: 1e12, rigid_inertia: 1e9, ..clamped(Support::ClampedFree, 3, 40.0) };
-    let heavy = Solver::new(heavy).unwrap();
+    let heavy = common::built(heavy).unwrap();
     let (mut first, mut second) =
         (solver.initial_state(&[0.1, 0.0, 0.0]).unwrap(), heavy.initial_state(&[0.1, 0.0, 0.0]).unwrap());
     run(&solver, &mut first, &[0.0, 0.0, 0.0, 30.0, -20.0, 10.0], 0.002, 300);
@@ -81,17 +81,17 @@ fn a_bulkhead_without_modes_is_part_of_the_rigid_body() {
         beam: None,
         ..cabin(0, 40.0, 9.81)
     };
-    let (with, without) = (Solver::new(parameters).unwrap(), Solver::new(lumped).unwrap());
+    let (with, without) = (common::built(parameters).unwrap(), common::built(lumped).unwrap());
     let (mut first, mut second) = (with.initial_state(&[]).unwrap(), without.initial_state(&[]).unwrap());
     run(&with, &mut first, &LOAD[..3], 0.01, 100);
     run(&without, &mut second, &LOAD[..3], 0.01, 100);
     assert!((first.motion.position - second.motion.position).norm() < 1e-12);
-    assert_eq!(with.deflection(&with.initial_state(&[]).unwrap(), 0.5 * LENGTH), 0.0);
+    assert_eq!(with.deflection(&with.initial_state(&[]).unwrap(), 0, 0, 0.5 * LENGTH), 0.0);
 }
 
 #[test]
 fn a_body_without_freedom_only_grows_older() {
-    let solver = Solver::new(Parameters { free: [false; 3], beam: None, ..cabin(0, 40.0, 9.81) }).unwrap();
+    let solver = common::built(Parameters { free: [false; 3], beam: None, ..cabin(0, 40.0, 9.81) }).unwrap();
     let mut state = solver.initial_state(&[]).unwrap();
     run(&solver, &mut state, &LOAD[..3], 0.25, 2);
     assert_eq!(state, State { time: 0.5, ..solver.initial_state(&[]).unwrap() });
@@ -109,7 +109,7 @@ fn refuses(solver: &Solver, state: &State, load: &[f64], duration: f64, message:
 
 #[test]
 fn bad_inputs_are_refused_by_name_and_leave_the_state_alone() {
-    let solver = Solver::new(cabin(3, 40.0, 9.81)).unwrap();
+    let solver = common::built(cabin(3, 40.0, 9.81)).unwrap();
     let state = tumbling(&solver);
     let every = "every component has to be finite";
     for (index, name) in [(0, "fx"), (1, "fy"), (2, "mz"), (3, "q[1]"), (5, "q[3]")] {
@@ -123,7 +123,7 @@ fn bad_inputs_are_refused_by_name_and_leave_the_state_alone() {
     broken.motion.velocity[4] = f64::INFINITY;
     let message = "velocity of coordinate q[2] is inf at t = 0 s; every entry of a state has to be finite";
     refuses(&solver, &broken, &LOAD, 0.01, message);
-    let locked = Solver::new(Parameters { free: [true, true, false], ..cabin(3, 40.0, 9.81) }).unwrap();
+    let locked = common::built(Parameters { free: [true, true, false], ..cabin(3, 40.0, 9.81) }).unwrap();
     let message = "coordinate theta is locked but has the velocity 1.5 at t = 0 s; set it to 0 or free the coordinate";
     refuses(&locked, &state, &LOAD, 0.01, message);
     assert!(matches!(solver.initial_state(&[1.0]), Err(Error::Length { expected: 3, got: 1, .. })));
@@ -133,7 +133,7 @@ fn bad_inputs_are_refused_by_name_and_leave_the_state_alone() {
 #[test]
 fn a_step_that_does_not_converge_says_by_how_much() {
     // One iteration is not enough for a tumbling cabin; the same step with twenty is.
-    let impatient = Solver::new(Parameters { maximum_iterations: 1, ..cabin(3, 40.0, 9.81) }).unwrap();
+    let impatient = common::built(Parameters { maximum_iterations: 1, ..cabin(3, 40.0, 9.81) }).unwrap();
     let state = tumbling(&impatient);
     let mut after = state.clone();
     let error = impatient.step(&mut after, &LOAD, 0.02, &mut impatient.workspace()).unwrap_err();
@@ -141,7 +141,7 @@ fn a_step_that_does_not_converge_says_by_how_much() {
     let Error::NotConverged { iterations, residual, tolerance, duration, .. } = error else { panic!("{error}") };
     assert_eq!((iterations, tolerance, duration), (1, 1e-12, 0.02));
     assert!((1e-12..1e-1).contains(&residual), "{residual}");
-    let patient = Solver::new(cabin(3, 40.0, 9.81)).unwrap();
+    let patient = common::built(cabin(3, 40.0, 9.81)).unwrap();
     let report = patient.step(&mut after, &LOAD, 0.02, &mut patient.workspace()).unwrap();
     assert!((2..=6).contains(&report.iterations) && report.residual <= 1e-12, "{report:?}");
     // Numbers that overflow end in the same error, not in a state of infinities.
@@ -153,7 +153,7 @@ fn a_step_that_does_not_converge_says_by_how_much() {
 
 #[test]
 fn small_steps_need_one_or_two_iterations() {
-    let solver = Solver::new(cabin(3, 508.4, 9.81)).unwrap();
+    let solver = common::built(cabin(3, 508.4, 9.81)).unwrap();
     let (mut state, mut workspace) = (tumbling(&solver), solver.workspace());
     let mut iterations = 0;
     for _ in 0..1000 {
@@ -165,7 +165,7 @@ fn small_steps_need_one_or_two_iterations() {
 #[test]
 fn a_body_at_rest_in_balance_stays_there_to_the_last_bit() {
     for integrator in [AVERAGE, ALPHA] {
-        let solver = Solver::new(Parameters { integrator, beam: None, ..cabin(0, 40.0, 9.81) }).unwrap();
+        let solver = common::built(Parameters { integrator, beam: None, ..cabin(0, 40.0, 9.81) }).unwrap();
         let mut state = solver.initial_state(&[]).unwrap();
         run(&solver, &mut state, &[0.0, 222.6 * 9.81, 0.0], 0.01, 1000);
         assert_eq!(state.motion, kinematics::Motion::at_rest(0));
@@ -175,7 +175,7 @@ fn a_body_at_rest_in_balance_stays_there_to_the_last_bit() {
 #[test]
 fn a_stored_state_continues_with_the_same_bits() {
     for integrator in [AVERAGE, ALPHA] {
-        let solver = Solver::new(Parameters { integrator, ..cabin(3, 40.0, 9.81) }).unwrap();
+        let solver = common::built(Parameters { integrator, ..cabin(3, 40.0, 9.81) }).unwrap();
         let mut state = tumbling(&solver);
         run(&solver, &mut state, &LOAD, 0.01, 5);
         let stored = serde_json::to_string(&state).unwrap();
@@ -188,7 +188,7 @@ fn a_stored_state_continues_with_the_same_bits() {
 
 #[test]
 fn a_used_workspace_gives_the_same_bits_as_a_new_one() {
-    let solver = Solver::new(cabin(3, 40.0, 9.81)).unwrap();
+    let solver = common::built(cabin(3, 40.0, 9.81)).unwrap();
     let mut workspace = solver.workspace();
     let (mut first, mut second) = (tumbling(&solver), tumbling(&solver));
     let mut elsewhere = solver.initial_state(&[0.3, 0.2, 0.1]).unwrap();
@@ -200,7 +200,7 @@ fn a_used_workspace_gives_the_same_bits_as_a_new_one() {
 
 #[test]
 fn parameters_out_of_range_are_refused_with_the_range() {
-    let message = |parameters: Parameters| Solver::new(parameters).unwrap_err().to_string();
+    let message = |parameters: Parameters| common::built(parameters).unwrap_err().to_string();
     let good = || cabin(3, 40.0, 9.81);
     assert_eq!(
         message(Parameters { rigid_mass: 0.0, ..good() }),
@@ -246,14 +246,14 @@ fn only_free_coordinates_need_inertia() {
         beam: None,
         ..cabin(0, 40.0, 9.81)
     };
-    let solver = Solver::new(parameters([false, true, false], 2.0, 0.0, [0.0; 3])).unwrap();
+    let solver = common::built(parameters([false, true, false], 2.0, 0.0, [0.0; 3])).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(&[]).unwrap(), solver.workspace());
     for _ in 0..10 {
         solver.step(&mut state, &[0.0; 3], 0.01, &mut workspace).unwrap();
     }
     // y = -g t^2 / 2 is exact for the average acceleration.
     assert!((state.motion.position[1] + 0.5 * 9.81 * 0.01).abs() < 1e-12, "{:?}", state.motion.position);
-    let solver = Solver::new(parameters([false, false, true], 0.0, 3.0, [0.0, 0.0, 12.0])).unwrap();
+    let solver = common::built(parameters([false, false, true], 0.0, 3.0, [0.0, 0.0, 12.0])).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(&[]).unwrap(), solver.workspace());
     solver.step(&mut state, &[0.0, 0.0, 6.0], 0.1, &mut workspace).unwrap();
     // The average acceleration makes no energy: what there is, is the work of the load.

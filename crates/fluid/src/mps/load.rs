@@ -2,7 +2,7 @@
 
 use crate::pressure_field::PressureField;
 use crate::walls::{FIXED, PanelMotion, Segment};
-use kinematics::{Body, MaterialPoint};
+use kinematics::{BodySet, SurfacePoint};
 use nalgebra::{DVector, Vector2};
 use rayon::prelude::*;
 
@@ -39,8 +39,8 @@ pub fn fixed_wall_force(field: &PressureField) -> Vector2<f64> {
 /// stand in `coordinates`.
 pub fn add_body_load(
     field: &PressureField,
-    body: &Body,
-    panels: &[[MaterialPoint; 2]],
+    bodies: &BodySet,
+    panels: &[[SurfacePoint; 2]],
     motion: &PanelMotion,
     coordinates: &DVector<f64>,
     share: f64,
@@ -65,8 +65,8 @@ pub fn add_body_load(
         let (count, length) = pieces(segment, field.spacing);
         for (k, pressure) in values.iter().enumerate() {
             let fraction = (k as f64 + 0.5) / count as f64;
-            if let Some(point) = MaterialPoint::between(ends[0], ends[1], fraction) {
-                body.add_force(point, coordinates, segment.normal * (pressure * length * share), load);
+            if let Some(point) = SurfacePoint::between(ends[0], ends[1], fraction) {
+                bodies.add_force(point, coordinates, segment.normal * (pressure * length * share), load);
             }
         }
     }

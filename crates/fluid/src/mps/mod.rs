@@ -104,11 +104,14 @@ impl Mps {
     /// Mean acceleration of every panel over the step with the coordinates at which the walls stand in it: affine in
     /// the velocity asked for.
     fn set_wall_acceleration(&mut self, problem: &Problem, end: &Motion, time_step: f64) {
-        let Some(body) = &problem.geometry.body else { return };
+        let bodies = &problem.geometry.bodies;
+        if bodies.is_empty() {
+            return;
+        }
         let Self { system, frozen_end, .. } = self;
         frozen_end.clone_from(end);
         frozen_end.position.copy_from(&system.extrapolated.position);
-        system.panels.set_end(&problem.layout.panels, body, frozen_end, time_step);
+        system.panels.set_end(&problem.layout.panels, bodies, frozen_end, time_step);
     }
 
     fn solve(&mut self, problem: &Problem, state: &mut State, report: &mut Report) -> Result<(), Error> {
@@ -135,7 +138,10 @@ impl Mps {
 
     /// Adds this internal step's share of the mean load.
     fn add_load(&self, problem: &Problem, state: &mut State, share: f64) {
-        let Some(body) = &problem.geometry.body else { return };
+        let bodies = &problem.geometry.bodies;
+        if bodies.is_empty() {
+            return;
+        }
         let system = &self.system;
         let field = PressureField {
             grid: &system.around.grid,
@@ -147,7 +153,7 @@ impl Mps {
             walls: &system.walls,
         };
         let (coordinates, panels) = (&system.extrapolated.position, &problem.layout.panels);
-        load::add_body_load(&field, body, panels, &system.panels, coordinates, share, &mut state.load);
+        load::add_body_load(&field, bodies, panels, &system.panels, coordinates, share, &mut state.load);
     }
 
     /// Largest x of a particle that has company, and half a spacing \[m\].

@@ -179,16 +179,17 @@ impl PressureSystem {
     }
 
     fn place_walls(&mut self, problem: &Problem, state: &State) {
-        let Some(body) = &problem.geometry.body else {
+        let bodies = &problem.geometry.bodies;
+        if bodies.is_empty() {
             if !self.walls_placed {
                 self.walls.place(&problem.layout, None, problem.reach, problem.spacing);
                 self.walls_placed = true;
             }
             return;
-        };
-        let at = Some((body, &self.extrapolated.position));
+        }
+        let at = Some((bodies, &self.extrapolated.position));
         self.walls.place(&problem.layout, at, problem.reach, problem.spacing);
-        self.panels.set_start(&problem.layout.panels, body, &state.motion);
+        self.panels.set_start(&problem.layout.panels, bodies, &state.motion);
     }
 
     /// Predictor: u* = u + g dt, r* = r + u* dt, stopping at walls.

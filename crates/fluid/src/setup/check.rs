@@ -8,7 +8,7 @@ use crate::state::State;
 use crate::walls::check as wall_check;
 use crate::walls::sides::{SLACK, Sides, Solids};
 use crate::walls::{FIXED, Walls};
-use kinematics::{MaterialPoint, Motion};
+use kinematics::{Body, MaterialPoint, Motion};
 use nalgebra::Vector2;
 
 /// Spacings from one end of a scene to the other: more is a slip in a coordinate, and no place has digits left there.
@@ -21,17 +21,10 @@ const MOST_PANELS: f64 = 1e4;
 pub fn is_of_bearable_size(geometry: &Geometry, spacing: f64) -> Result<(), Error> {
     let mut corners: Vec<Vector2<f64>> =
         geometry.water.iter().chain(&geometry.fixed_walls).flatten().copied().collect();
-    if let Some(body) = &geometry.body {
-        let rest = Motion::at_rest(body.modes());
-        let rigid = body.walls.iter().flatten().map(|&point| MaterialPoint::Rigid(point));
-        let [length, thickness] = body.beam.as_ref().map_or([0.0; 2], |beam| [beam.modes.length(), beam.thickness]);
-        let ends = [0.0, length]
-            .into_iter()
-            .flat_map(|station| [-0.5, 0.5].map(|share| MaterialPoint::Beam { station, offset: share * thickness }));
-        let beam = ends.filter(|_| body.beam.is_some());
-        corners.extend(rigid.chain(beam).map(|point| body.position(point, &rest)));
-        let lengths = body.walls.iter().flat_map(|wall| wall.windows(2)).map(|pair| (pair[1] - pair[0]).norm());
-        let panels = (lengths.sum::<f64>() + 2.0 * (length + thickness)) / (2.0 * spacing);
+    for body in geometry.bodies.bodies() {
+        let (ends, length) = surface(body);
+        corners.extend(ends);
+        let panels = length / (2.0 * spacing);
         if panels > MOST_PANELS {
             return Err(Error::Geometry {
                 what: "the body's surface".to_string(),
@@ -50,6 +43,37 @@ pub fn is_of_bearable_size(geometry: &Geometry, spacing: f64) -> Result<(), Erro
         got: format!("{extent} m"),
         expected: format!("at most {} m, {LONGEST_SCENE:e} spacings", LONGEST_SCENE * spacing),
     })
+}
+
+/// Corners of a body's surface in the pose of the scene \[m\], and its length \[m\].
+fn surface(body: &Body) -> (Vec<Vector2<f64>>, f64) {
+    let rest = Motion::at_rest(body.modes());
+    let mut points: Vec<_> = body.walls.iter().flatten().map(|&point| MaterialPoint::Rigid(point)).collect();
+    let pieces = body.walls.iter().flat_map(|wall| wall.windows(2)).map(|pair| (pair[1] - pair[0]).norm());
+    let mut total = pieces.sum::<f64>();
+    for (member, beam) in body.members.iter().enumerate() {
+        let (length, thickness) = (beam.modes.length(), beam.thickness);
+        total += 2.0 * (length + thickness);
+        let at = |station, share: f64| MaterialPoint::Beam { member, station, offset: share * thickness };
+        points.extend([at(0.0, -0.5), at(0.0, 0.5), at(length, -0.5), at(length, 0.5)]);
+    }
+    (points.into_iter().map(|point| body.position(point, &rest)).collect(), total)
+}
+
+/// Refuses instruments on bodies that there are not.
+pub fn instruments_have_bodies(geometry: &Geometry) -> Result<(), Error> {
+    let count = geometry.bodies.bodies().len();
+    let probes = geometry.probes.iter().map(|probe| ("probe", probe.on_body));
+    let all = probes.chain(geometry.regions.iter().map(|region| ("region", region.on_body)));
+    let numbered = all.filter_map(|(what, body)| Some((what, body?)));
+    match numbered.into_iter().find(|(_, body)| *body >= count) {
+        None => Ok(()),
+        Some((what, body)) => Err(Error::Geometry {
+            what: format!("a {what} on body {body}"),
+            got: format!("{count} bodies"),
+            expected: "a body of the scene".to_string(),
+        }),
+    }
 }
 
 /// Refuses particles that own no area: their cells fold over in the tip of a polygon or where it crosses itself.

@@ -5,7 +5,6 @@ use crate::grid::bounding_box;
 use crate::solver::Solver;
 use crate::walls::sides::{SLACK, Sides, Solids};
 use digits::six;
-use kinematics::Motion;
 use nalgebra::Vector2;
 
 /// Depth within a solid, in spacings, from which a place is no slip of rounding.
@@ -42,7 +41,7 @@ impl Solver {
     pub fn misplaced(&self) -> Vec<Misplaced> {
         let geometry = &self.problem.geometry;
         let spacing = self.problem.spacing;
-        let walls = self.problem.walls(&Motion::at_rest(self.modes()).position);
+        let walls = self.problem.walls(&self.at_rest().position);
         let ends = walls.segments.iter().flat_map(|segment| [segment.start, segment.end()]);
         let everything: Vec<_> = ends.chain(geometry.water.iter().flatten().copied()).collect();
         let places = Places {

@@ -47,7 +47,7 @@ impl Solver {
     }
 
     fn check_coordinates(&self, state: &State) -> Result<(), Error> {
-        let size = kinematics::RIGID + self.modes();
+        let size = self.problem.coordinates();
         let motion = &state.motion;
         for (name, list, expected) in [
             ("motion.position", motion.position.as_slice(), size),

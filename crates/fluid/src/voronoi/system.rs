@@ -138,8 +138,9 @@ impl PressureSystem {
         kinematics::copy(&state.motion.velocity, &mut self.rates);
         self.drift(problem, state, half);
         self.build_cells(problem, state);
-        if let Some(body) = &problem.geometry.body {
-            self.unit_pressures.collect(&self.cells, &problem.layout, body, &self.middle.position);
+        let bodies = &problem.geometry.bodies;
+        if !bodies.is_empty() {
+            self.unit_pressures.collect(&self.cells, &problem.layout, bodies, &self.middle.position);
         }
     }
 
@@ -177,8 +178,9 @@ impl PressureSystem {
         self.before.clone_from(&state.velocities);
         correct::drift(&mut self.positions, &self.before, half);
         self.attach();
-        if let Some(body) = &problem.geometry.body {
-            self.panels.set_start(&problem.layout.panels, body, &self.middle);
+        let bodies = &problem.geometry.bodies;
+        if !bodies.is_empty() {
+            self.panels.set_start(&problem.layout.panels, bodies, &self.middle);
         }
         let panels = &self.panels;
         let moved = (&mut self.positions[..], &mut self.before[..]);
@@ -219,9 +221,9 @@ impl PressureSystem {
 
     /// Walls with the body as in the middle of the step.
     fn place_walls(&mut self, problem: &Problem) {
-        let body = problem.geometry.body.as_ref();
-        if body.is_some() || !self.walls_placed {
-            let at = body.map(|body| (body, &self.middle.position));
+        let bodies = &problem.geometry.bodies;
+        if !bodies.is_empty() || !self.walls_placed {
+            let at = (!bodies.is_empty()).then_some((bodies, &self.middle.position));
             self.walls.place(&problem.layout, at, 2.0 * Cells::reach(problem.spacing), problem.spacing);
             self.walls_placed = true;
         }

@@ -14,7 +14,7 @@ use crate::linear::{ConjugateGradient, Guess, Matrix, Multigrid, SolveParameters
 use crate::parallel;
 use crate::problem::Problem;
 use crate::walls::{FIXED, WallLayout};
-use kinematics::{Body, MaterialPoint};
+use kinematics::{BodySet, SurfacePoint};
 use nalgebra::{DMatrix, DVector};
 
 /// Relative residual of the unit pressures. The error of the added mass is its square.
@@ -69,8 +69,8 @@ pub struct UnitPressures {
 }
 
 impl UnitPressures {
-    /// Collects the facets on moving walls, with the body at `coordinates`.
-    pub fn collect(&mut self, cells: &Cells, layout: &WallLayout, body: &Body, coordinates: &DVector<f64>) {
+    /// Collects the facets on moving walls, with the bodies at `coordinates`.
+    pub fn collect(&mut self, cells: &Cells, layout: &WallLayout, bodies: &BodySet, coordinates: &DVector<f64>) {
         self.size = coordinates.len();
         self.facets.clear();
         self.work.clear();
@@ -80,11 +80,11 @@ impl UnitPressures {
             let walls = if cells.is_isolated(i) { &[] } else { cells.walls.of(i) };
             for wall in walls.iter().filter(|wall| wall.panel != FIXED && !wall.is_closure) {
                 let [start, end] = layout.panels[wall.panel as usize];
-                let Some(point) = MaterialPoint::between(start, end, wall.fraction) else { continue };
+                let Some(point) = SurfacePoint::between(start, end, wall.fraction) else { continue };
                 self.facets.push(MovingFacet { particle: i as u32, wall: *wall });
                 let begin = self.work.len();
                 self.work.resize(begin + self.size, 0.0);
-                body.add_force(point, coordinates, wall.facet.normal, &mut self.work[begin..]);
+                bodies.add_force(point, coordinates, wall.facet.normal, &mut self.work[begin..]);
             }
             self.starts.push(self.facets.len() as u32);
         }

@@ -3,7 +3,7 @@
 
 use crate::Error;
 use crate::walls::{FIXED, Segment, Walls, crosses};
-use kinematics::{Body, MaterialPoint, Motion};
+use kinematics::{BodySet, Motion, SurfacePoint};
 
 /// Depth in spacings that a structure with contact forces of its own may need. A panel that is deeper in a wall at the
 /// start, as one that is held there, is left alone; one that slides on a wall, as a piston does, stays on it.
@@ -12,7 +12,7 @@ const BORNE: f64 = 0.25;
 /// Panels of the body and fixed walls that must not meet.
 #[derive(Debug, Clone, Default)]
 pub struct BodyContact {
-    panels: Vec<[MaterialPoint; 2]>,
+    panels: Vec<[SurfacePoint; 2]>,
     fixed: Vec<Segment>,
     /// Depth up to which a corner may stand behind a wall, as one that is held by a contact force does \[m\].
     depth: f64,
@@ -20,7 +20,7 @@ pub struct BodyContact {
 
 impl BodyContact {
     /// From the walls as they stand at the start.
-    pub fn new(panels: &[[MaterialPoint; 2]], walls: &Walls, spacing: f64) -> Self {
+    pub fn new(panels: &[[SurfacePoint; 2]], walls: &Walls, spacing: f64) -> Self {
         let fixed: Vec<Segment> = walls.segments.iter().filter(|segment| segment.panel == FIXED).copied().collect();
         let moving = walls.segments.iter().filter(|segment| segment.panel != FIXED);
         let free = moving.filter(|panel| !fixed.iter().any(|wall| is_through(panel, wall, BORNE * spacing)));
@@ -32,9 +32,9 @@ impl BodyContact {
     ///
     /// # Errors
     /// The place where they meet.
-    pub fn check(&self, body: &Body, motion: &Motion, time: f64) -> Result<(), Error> {
+    pub fn check(&self, bodies: &BodySet, motion: &Motion, time: f64) -> Result<(), Error> {
         for panel in &self.panels {
-            let [start, end] = panel.map(|point| body.position(point, motion));
+            let [start, end] = panel.map(|point| bodies.position(point, motion));
             let panel = Segment::between(start, end, 0, 0.0, 0);
             if let Some(wall) = self.fixed.iter().find(|wall| is_through(&panel, wall, self.depth)) {
                 let behind = if wall.local(&start).0 < wall.local(&end).0 { start } else { end };

@@ -1,7 +1,7 @@
 //! How the moving walls move during one internal step.
 
 use crate::walls::FIXED;
-use kinematics::{Body, MaterialPoint, Motion};
+use kinematics::{BodySet, Motion, SurfacePoint};
 use nalgebra::Vector2;
 
 /// Velocity of both ends of every moving panel at the start of an internal step, and its mean acceleration over it.
@@ -13,17 +13,17 @@ pub struct PanelMotion {
 
 impl PanelMotion {
     /// Velocities at the start of the step, from the body's motion there.
-    pub fn set_start(&mut self, panels: &[[MaterialPoint; 2]], body: &Body, start: &Motion) {
+    pub fn set_start(&mut self, panels: &[[SurfacePoint; 2]], bodies: &BodySet, start: &Motion) {
         self.velocity.clear();
-        self.velocity.extend(panels.iter().map(|ends| ends.map(|point| body.velocity(point, start))));
+        self.velocity.extend(panels.iter().map(|ends| ends.map(|point| bodies.velocity(point, start))));
     }
 
     /// Mean accelerations over the step: `end` carries the frozen coordinates and the velocities at the end. They are
     /// affine in those velocities, which is what makes the load affine in the acceleration.
-    pub fn set_end(&mut self, panels: &[[MaterialPoint; 2]], body: &Body, end: &Motion, time_step: f64) {
+    pub fn set_end(&mut self, panels: &[[SurfacePoint; 2]], bodies: &BodySet, end: &Motion, time_step: f64) {
         self.acceleration.clear();
         for (ends, velocity) in panels.iter().zip(&self.velocity) {
-            let at = |k: usize| (body.velocity(ends[k], end) - velocity[k]) / time_step;
+            let at = |k: usize| (bodies.velocity(ends[k], end) - velocity[k]) / time_step;
             self.acceleration.push([at(0), at(1)]);
         }
     }

@@ -3,7 +3,7 @@
 use crate::parameters::Geometry;
 use crate::setup::fill::{contains, signed_area};
 use crate::walls::Segment;
-use kinematics::{MaterialPoint, Motion};
+use kinematics::{MaterialPoint, SurfacePoint};
 use nalgebra::Vector2;
 
 /// Distance in spacings up to which a place counts as on a wall, and ends of walls as joined.
@@ -115,12 +115,15 @@ pub fn is_closed(wall: &[Vector2<f64>]) -> bool {
     wall.len() > 2 && wall.first() == wall.last()
 }
 
-/// The body's rigid walls in the pose of the scene \[m\]; none without a body.
+/// The bodies' rigid walls in the pose of the scene \[m\].
 pub fn placed_walls(geometry: &Geometry) -> Vec<Vec<Vector2<f64>>> {
-    let Some(body) = &geometry.body else { return Vec::new() };
-    let rest = Motion::at_rest(body.modes());
-    let place = |point: &Vector2<f64>| body.position(MaterialPoint::Rigid(*point), &rest);
-    body.walls.iter().map(|wall| wall.iter().map(place).collect()).collect()
+    let rest = geometry.bodies.at_rest();
+    let place = |body: usize, wall: &Vec<Vector2<f64>>| {
+        let at = |point: &Vector2<f64>| SurfacePoint { body, point: MaterialPoint::Rigid(*point) };
+        wall.iter().map(|point| geometry.bodies.position(at(point), &rest)).collect()
+    };
+    let bodies = geometry.bodies.bodies().iter().enumerate();
+    bodies.flat_map(|(index, body)| body.walls.iter().map(move |wall| place(index, wall))).collect()
 }
 
 #[cfg(test)]

@@ -95,11 +95,12 @@ impl EndWalls {
         contact: &Contact,
     ) -> usize {
         let particles = (&mut state.positions[..], &mut state.velocities[..]);
-        let Some(body) = &problem.geometry.body else {
+        let bodies = &problem.geometry.bodies;
+        if bodies.is_empty() {
             return stop_at_walls(particles, proximities, walls, contact, |_, _| Vector2::zeros());
-        };
-        self.walls.place(&problem.layout, Some((body, &end.position)), problem.reach, problem.spacing);
-        self.panels.set_start(&problem.layout.panels, body, end);
+        }
+        self.walls.place(&problem.layout, Some((bodies, &end.position)), problem.reach, problem.spacing);
+        self.panels.set_start(&problem.layout.panels, bodies, end);
         let panels = &self.panels;
         stop_at_walls(particles, proximities, &self.walls, contact, |panel, fraction| panels.velocity(panel, fraction))
     }

@@ -5,7 +5,7 @@
 
 use crate::parameters::Geometry;
 use crate::walls::candidates::CandidateCells;
-use kinematics::{Body, MaterialPoint};
+use kinematics::{BodySet, MaterialPoint, SurfacePoint};
 use nalgebra::{DVector, Vector2};
 
 /// Cosine of the largest kink inside a chain (30 degrees); a larger one starts a new chain.
@@ -109,12 +109,12 @@ pub struct WallProximity {
     pub normal: Vector2<f64>,
 }
 
-/// Which walls there are: the pieces of the fixed polylines and the body's panels.
+/// Which walls there are: the pieces of the fixed polylines and the bodies' panels.
 #[derive(Debug, Clone)]
 pub struct WallLayout {
     fixed: Vec<[Vector2<f64>; 2]>,
-    /// Panels of the body, merged where a rigid wall is straight.
-    pub panels: Vec<[MaterialPoint; 2]>,
+    /// Panels of the bodies, merged where a rigid wall is straight.
+    pub panels: Vec<[SurfacePoint; 2]>,
     /// Depth behind each panel \[m\].
     panel_depth: Vec<f64>,
 }
@@ -124,30 +124,29 @@ impl WallLayout {
     pub fn new(geometry: &Geometry, spacing: f64) -> Self {
         let pieces = geometry.fixed_walls.iter().flat_map(|wall| wall.windows(2)).map(|pair| [pair[0], pair[1]]);
         let mut layout = Self { fixed: pieces.collect(), panels: Vec::new(), panel_depth: Vec::new() };
-        if let Some(body) = &geometry.body {
-            let thickness = body.beam.as_ref().map_or(f64::INFINITY, |beam| beam.thickness);
-            for panel in body.panels(2.0 * spacing) {
-                layout.add_panel(panel.ends, thickness);
-            }
+        for (body, panel) in geometry.bodies.panels(2.0 * spacing) {
+            let thickness = match panel.ends[0] {
+                MaterialPoint::Beam { member, .. } => geometry.bodies.bodies()[body].members[member].thickness,
+                MaterialPoint::Rigid(_) => f64::INFINITY,
+            };
+            layout.add_panel(panel.ends.map(|point| SurfacePoint { body, point }), thickness);
         }
         layout
     }
 
-    fn add_panel(&mut self, ends: [MaterialPoint; 2], thickness: f64) {
-        let [MaterialPoint::Rigid(start), MaterialPoint::Rigid(end)] = ends else {
-            self.panels.push(ends);
-            self.panel_depth.push(thickness);
-            return;
-        };
-        if let Some([MaterialPoint::Rigid(before), MaterialPoint::Rigid(joint)]) = self.panels.last_mut() {
-            let straight = (*joint - *before).normalize().dot(&(end - start).normalize()) > 1.0 - 1e-9;
-            if (*joint - start).norm() < 1e-12 && straight {
-                *joint = end;
+    fn add_panel(&mut self, ends: [SurfacePoint; 2], depth: f64) {
+        if let ([MaterialPoint::Rigid(start), MaterialPoint::Rigid(end)], Some(last)) =
+            (ends.map(|end| end.point), self.panels.last_mut())
+            && let [MaterialPoint::Rigid(before), MaterialPoint::Rigid(joint)] = last.map(|end| end.point)
+        {
+            let straight = (joint - before).normalize().dot(&(end - start).normalize()) > 1.0 - 1e-9;
+            if last[1].body == ends[0].body && (joint - start).norm() < 1e-12 && straight {
+                last[1] = ends[1];
                 return;
             }
         }
         self.panels.push(ends);
-        self.panel_depth.push(f64::INFINITY);
+        self.panel_depth.push(depth);
     }
 
     /// Makes the segment of this number `factor` times as long, at its end or at its start.
@@ -156,7 +155,7 @@ impl WallLayout {
         if let Some(piece) = self.fixed.get_mut(segment) {
             piece[moved] = piece[from] + (piece[moved] - piece[from]) * factor;
         } else if let Some(panel) = self.panels.get_mut(segment - self.fixed.len())
-            && let Some(point) = MaterialPoint::between(panel[from], panel[moved], factor)
+            && let Some(point) = SurfacePoint::between(panel[from], panel[moved], factor)
         {
             panel[moved] = point;
         }
@@ -178,8 +177,8 @@ pub struct Walls {
 }
 
 impl Walls {
-    /// Places the walls for the given coordinates of the body; proximities reach `radius` \[m\].
-    pub fn place(&mut self, layout: &WallLayout, body: Option<(&Body, &DVector<f64>)>, radius: f64, spacing: f64) {
+    /// Places the walls for the given coordinates of the bodies; proximities reach `radius` \[m\].
+    pub fn place(&mut self, layout: &WallLayout, bodies: Option<(&BodySet, &DVector<f64>)>, radius: f64, spacing: f64) {
         self.segments.clear();
         self.chains.clear();
         (self.radius, self.spacing) = (radius, spacing);
@@ -187,10 +186,10 @@ impl Walls {
             let joined = index > 0 && layout.fixed[index - 1][1] == *start;
             self.add_segment(*start, *end, FIXED, f64::INFINITY, joined);
         }
-        if let Some((body, coordinates)) = body {
+        if let Some((bodies, coordinates)) = bodies {
             for (index, ends) in layout.panels.iter().enumerate() {
                 let joined = index > 0 && layout.panels[index - 1][1] == ends[0];
-                let place = |point| body.place(point, coordinates);
+                let place = |point| bodies.place(point, coordinates);
                 self.add_segment(place(ends[0]), place(ends[1]), index as u32, layout.panel_depth[index], joined);
             }
         }

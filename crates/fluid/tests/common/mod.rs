@@ -46,7 +46,7 @@ pub fn plate(x: f64, length: f64, thickness: f64, modes: usize) -> Body {
         origin: Vector2::zeros(),
         angle: 0.0,
         walls: Vec::new(),
-        beam: Some(Beam { middle: Vector2::new(x, 0.5 * length), thickness, modes }),
+        members: vec![Beam { middle: Vector2::new(x, 0.5 * length), thickness, modes }],
     }
 }
 
@@ -55,7 +55,7 @@ pub fn dam_break_plate() -> Geometry {
     Geometry {
         water: vec![rectangle(0.0, 0.0, 0.146, 0.292)],
         fixed_walls: vec![tank(0.584, 0.8)],
-        body: Some(plate(0.292, 0.08, 0.012, 2)),
+        bodies: (plate(0.292, 0.08, 0.012, 2)).into(),
         probes: vec![Vector2::new(0.285, 0.01).into()],
         ..Geometry::default()
     }

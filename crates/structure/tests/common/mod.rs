@@ -3,7 +3,7 @@
 
 use kinematics::{BeamModes, Support};
 use nalgebra::{DVector, Vector2};
-use structure::{BeamParameters, Integrator, Parameters, Solver, State};
+use structure::{BeamParameters, BodyParameters, ContactParameters, Integrator, Solver, State};
 
 pub const LENGTH: f64 = 0.44;
 pub const LINE_DENSITY: f64 = 44.9;
@@ -21,6 +21,37 @@ pub fn beam(support: Support, count: usize, frequency: f64) -> BeamParameters {
         deflection_limit: f64::MAX,
         damping_ratios: Vec::new(),
     }
+}
+
+/// One body with one beam or none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    pub rigid_mass: f64,
+    pub rigid_inertia: f64,
+    pub gravity: f64,
+    pub angle: f64,
+    pub beam: Option<BeamParameters>,
+    pub free: [bool; 3],
+    pub springs: [f64; 3],
+    pub contact: Option<ContactParameters>,
+    pub integrator: Integrator,
+    pub tolerance: f64,
+    pub maximum_iterations: usize,
+}
+
+impl From<Parameters> for structure::Parameters {
+    fn from(one: Parameters) -> Self {
+        let Parameters { rigid_mass, rigid_inertia, gravity, angle, beam, free, springs, contact, .. } = one;
+        let members = beam.into_iter().collect();
+        let body = BodyParameters { rigid_mass, rigid_inertia, angle, members, free, springs, contact };
+        let Parameters { integrator, tolerance, maximum_iterations, .. } = one;
+        Self { bodies: vec![body], gravity, integrator, tolerance, maximum_iterations }
+    }
+}
+
+/// The solver of one body.
+pub fn built(parameters: Parameters) -> Result<Solver, structure::Error> {
+    Solver::new(parameters.into())
 }
 
 /// A cabin of the paper's mass with a beam that stands off its centre of gravity, nothing locked.

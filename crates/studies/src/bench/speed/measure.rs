@@ -2,7 +2,6 @@
 
 use components::conversion;
 use fluid::{Solver, StageTimes, State, Workspace};
-use kinematics::Motion;
 use scene::Scene;
 use std::error::Error;
 use std::path::Path;
@@ -76,7 +75,7 @@ impl Run {
     }
 
     fn step(&mut self, timing: &mut Timing) -> Result<(), Box<dyn Error>> {
-        let still = Motion::at_rest(self.solver.modes());
+        let still = self.solver.at_rest();
         let report = self.solver.step(&mut self.state, &still, self.next, &mut self.workspace)?;
         self.next = report.suggested_step;
         timing.steps += report.substeps;
@@ -103,7 +102,7 @@ impl Run {
     pub fn time_passes(&mut self, steps: usize) -> Result<[f64; 2], Box<dyn Error>> {
         let mut times = [0.0; 2];
         for _ in 0..steps {
-            let mut end = Motion::at_rest(self.solver.modes());
+            let mut end = self.solver.at_rest();
             for (pass, time) in times.iter_mut().enumerate() {
                 let mut state = self.state.clone();
                 end.velocity.iter_mut().skip(kinematics::RIGID).for_each(|rate| *rate = 1e-4 * (1.0 + pass as f64));
