@@ -161,7 +161,7 @@ impl BodyDynamics {
         }
     }
 
-    /// Adds to `out`, n, the size of every force that `M xdd` and [`Dynamics::restoring_force`] are summed up from.
+    /// Adds to `out`, n, the size of every force that `M xdd` and [`BodyDynamics::restoring_force`] are summed up from.
     ///
     /// The sums themselves vanish in equilibrium; these do not, and so tell how much of a residual is more than
     /// rounding. `mass` is M at this position.

@@ -4,7 +4,7 @@
 use crate::Parameters;
 use crate::body_dynamics::BodyDynamics;
 use kinematics::{CoordinateLayout, Motion};
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, DVectorViewMut, Vector2};
+use nalgebra::{DMatrix, DMatrixViewMut, DVector, DVectorViewMut, Vector2};
 use std::ops::Range;
 
 /// The Lagrangian of bodies with their members, free of any time integration. Every vector and matrix is of the full size,
@@ -57,7 +57,7 @@ impl Dynamics {
     /// rounding. `mass` is M at this position.
     pub(crate) fn add_force_sizes(&self, motion: &Motion, mass: &DMatrix<f64>, out: &mut DVector<f64>) {
         for (body, own) in &self.bodies {
-            let block: DMatrixView<f64> = mass.view((own.start, own.start), (own.len(), own.len())).into();
+            let block = mass.view((own.start, own.start), (own.len(), own.len()));
             body.add_force_sizes(&motion.view(own.clone()), &block, &mut rows(out, own));
         }
     }
@@ -119,7 +119,7 @@ impl Dynamics {
     fn blocks(&self, out: &mut DMatrix<f64>, fill: impl Fn(&BodyDynamics, &Range<usize>, &mut DMatrixViewMut<f64>)) {
         out.fill(0.0);
         for (body, own) in &self.bodies {
-            let mut block: DMatrixViewMut<f64> = out.view_mut((own.start, own.start), (own.len(), own.len())).into();
+            let mut block = out.view_mut((own.start, own.start), (own.len(), own.len()));
             fill(body, own, &mut block);
         }
     }
