@@ -44,7 +44,7 @@ struct StepReport {
 }
 
 /// What the scene became and where it stands.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Progress {
     scene: Arc<Scene>,
     start: f64,
@@ -52,12 +52,47 @@ struct Progress {
     report: StepReport,
 }
 
+impl Clone for Progress {
+    fn clone(&self) -> Self {
+        let Self { scene, start, state, report } = self;
+        Self { scene: Arc::clone(scene), start: *start, state: state.clone(), report: report.clone() }
+    }
+
+    /// Keeps the memory of the particles.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { scene, start, state, report } = self;
+        if !Arc::ptr_eq(scene, &source.scene) {
+            *scene = Arc::clone(&source.scene);
+        }
+        *start = source.start;
+        state.clone_from(&source.state);
+        report.clone_from(&source.report);
+    }
+}
+
 /// Everything that decides the next step.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     parameters: Parameters,
     motion: MotionValues,
     progress: Option<Progress>,
+}
+
+impl Clone for State {
+    fn clone(&self) -> Self {
+        let Self { parameters, motion, progress } = self;
+        Self { parameters: parameters.clone(), motion: motion.clone(), progress: progress.clone() }
+    }
+
+    /// Keeps the memory of the particles: states are saved and restored in every pass.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { parameters, motion, progress } = self;
+        if *parameters != source.parameters {
+            parameters.clone_from(&source.parameters);
+        }
+        motion.clone_from(&source.motion);
+        progress.clone_from(&source.progress);
+    }
 }
 
 /// Seconds spent by this instance, repeated steps included.
@@ -207,11 +242,11 @@ impl Component for FluidComponent {
             return Err(not_initialised());
         };
         runtime.write_due(&progress.state, time, &mut self.seconds.output)?;
-        let end = self.state.motion.motion(progress.state.motion.size());
+        self.state.motion.write(&mut runtime.end);
         progress.state.time = time;
         let report = runtime
             .solver
-            .step(&mut progress.state, &end, step, runtime.workspace.get_mut())
+            .step(&mut progress.state, &runtime.end, step, runtime.workspace.get_mut())
             .map_err(|error| Failure::discard(error.to_string()))?;
         progress.state.time = time + step;
         progress.report = StepReport {
@@ -233,6 +268,10 @@ impl Component for FluidComponent {
 
     fn save(&self) -> State {
         self.state.clone()
+    }
+
+    fn save_into(&self, copy: &mut State) {
+        copy.clone_from(&self.state);
     }
 
     fn check(&self, state: &State) -> Result<(), Failure> {

@@ -34,13 +34,12 @@ pub struct MotionValues {
 }
 
 impl MotionValues {
-    /// The first coordinates, this number of them, as a motion.
-    pub fn motion(&self, size: usize) -> Motion {
-        let mut motion = Motion::zeros(size);
+    /// The first coordinates, as many as `motion` has, into it.
+    pub fn write(&self, motion: &mut Motion) {
+        let size = motion.size();
         motion.position.copy_from_slice(&self.position[..size]);
         motion.velocity.copy_from_slice(&self.velocity[..size]);
         motion.acceleration.copy_from_slice(&self.acceleration[..size]);
-        motion
     }
 
     /// Refuses values of which one is no finite number; `name` is used in messages.

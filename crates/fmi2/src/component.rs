@@ -106,6 +106,11 @@ pub trait Component: Sized + 'static {
     /// A copy of the state.
     fn save(&self) -> Self::State;
 
+    /// The same into the memory of an earlier copy: coupling saves in every pass.
+    fn save_into(&self, copy: &mut Self::State) {
+        *copy = self.save();
+    }
+
     /// Refuses a state read from bytes that no instance of this model can have saved. A checksum says that the bytes
     /// are those that somebody wrote, not that a model wrote them: lengths, ranges and whatever steps and getters rely
     /// on belong here.

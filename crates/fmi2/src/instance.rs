@@ -231,6 +231,16 @@ impl<C: Component> Instance<C> {
         })
     }
 
+    /// fmi2GetFMUstate into the memory of an earlier state.
+    pub fn get_state_into(&self, snapshot: &mut Snapshot<C::State>) -> Result<(), Failure> {
+        self.allow(Function::GetFmuState)?;
+        let Snapshot { mode, start, stop, tolerance, time, component } = snapshot;
+        (*mode, *time) = (self.mode, self.time);
+        (*start, *stop, *tolerance) = (self.experiment.start, self.experiment.stop, self.experiment.tolerance);
+        self.component.save_into(component);
+        Ok(())
+    }
+
     /// fmi2SetFMUstate.
     pub fn set_state(&mut self, snapshot: &Snapshot<C::State>) -> Result<(), Failure> {
         self.allow(Function::SetFmuState)?;

@@ -6,6 +6,7 @@ use crate::{Error, conversion};
 use digits::six;
 use fmi2::Failure;
 use frames::{Field, Frame, Series, single, write_frame};
+use kinematics::Motion;
 use nalgebra::Vector2;
 use scene::Scene;
 use std::cell::RefCell;
@@ -18,6 +19,8 @@ pub(super) struct Runtime {
     pub(super) solver: fluid::Solver,
     /// In a cell: figures are computed when they are read, and what they need serves the next step.
     pub(super) workspace: RefCell<fluid::Workspace>,
+    /// Motion of the bodies at the end of a step.
+    pub(super) end: Motion,
     series: Option<Series>,
     /// What is odd about the scene, and does not hinder a run.
     pub(super) warnings: Vec<String>,
@@ -35,7 +38,8 @@ impl Runtime {
         if series.is_some() {
             write_frame(&Path::new(&parameters.output_directory).join("walls.vtu"), outline(&walls))?;
         }
-        Ok(Self { workspace: RefCell::new(solver.workspace()), solver, series, warnings, scene })
+        let (workspace, end) = (RefCell::new(solver.workspace()), solver.at_rest());
+        Ok(Self { workspace, end, solver, series, warnings, scene })
     }
 
     /// The scene that this was made for.

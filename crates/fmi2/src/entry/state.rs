@@ -10,10 +10,9 @@ pub unsafe fn get_state<C: Component>(component: ffi::Component, state: *mut Fmu
     unsafe {
         call::<C>(component, |instance| {
             let handle = state.as_mut().ok_or_else(|| Failure::refused("FMUstate is a NULL pointer"))?;
-            let snapshot = instance.get_state()?;
             match handle.cast::<Snapshot<C::State>>().as_mut() {
-                Some(old) => *old = snapshot,
-                None => *handle = Box::into_raw(Box::new(snapshot)).cast(),
+                Some(old) => instance.get_state_into(old)?,
+                None => *handle = Box::into_raw(Box::new(instance.get_state()?)).cast(),
             }
             Ok(())
         })
