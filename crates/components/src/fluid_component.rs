@@ -81,7 +81,7 @@ pub struct State {
 impl Clone for State {
     fn clone(&self) -> Self {
         let Self { parameters, motion, progress } = self;
-        Self { parameters: parameters.clone(), motion: motion.clone(), progress: progress.clone() }
+        Self { parameters: parameters.clone(), motion: *motion, progress: progress.clone() }
     }
 
     /// Keeps the memory of the particles: states are saved and restored in every pass.
