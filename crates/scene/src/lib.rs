@@ -15,6 +15,7 @@ mod sameness;
 mod structure;
 mod types;
 mod validate;
+mod validate_checks;
 mod warnings;
 mod words;
 
@@ -26,5 +27,5 @@ pub use parse::parse_overrides;
 pub use quick::{Quick, QuickCheck};
 pub use structure::{Beam, Freedom, Integrator, Structure, Support};
 pub use types::*;
-pub use validate::validate_checks;
+pub use validate_checks::validate_checks;
 pub use words::nearest;

@@ -17,12 +17,12 @@ const LARGEST_SPEED: f64 = 1e5;
 const SMALLEST: f64 = 1e-15;
 const LARGEST: f64 = 1e15;
 
-struct Checker<'a> {
-    name: &'a str,
+pub(crate) struct Checker<'a> {
+    pub(crate) name: &'a str,
 }
 
 impl Checker<'_> {
-    fn fail(&self, key: &str, got: impl ToString, expected: &str) -> Result<(), Error> {
+    pub(crate) fn fail(&self, key: &str, got: impl ToString, expected: &str) -> Result<(), Error> {
         Err(Error::Range {
             name: self.name.to_string(),
             key: key.to_string(),
@@ -31,7 +31,7 @@ impl Checker<'_> {
         })
     }
 
-    fn within(&self, key: &str, value: f64, low: f64, high: f64) -> Result<(), Error> {
+    pub(crate) fn within(&self, key: &str, value: f64, low: f64, high: f64) -> Result<(), Error> {
         if value.is_finite() && (low..=high).contains(&value) {
             return Ok(());
         }
@@ -42,41 +42,41 @@ impl Checker<'_> {
     }
 
     /// What a struct of keys below `table` said of its numbers.
-    fn keys(&self, table: &str, checked: Result<(), OutOfRange>) -> Result<(), Error> {
+    pub(crate) fn keys(&self, table: &str, checked: Result<(), OutOfRange>) -> Result<(), Error> {
         checked.or_else(|out| {
             let keys::Key { name, low, high } = out.key;
             self.within(&format!("{table}.{name}"), out.got, low, high)
         })
     }
 
-    fn positive(&self, key: &str, value: f64) -> Result<(), Error> {
+    pub(crate) fn positive(&self, key: &str, value: f64) -> Result<(), Error> {
         if (SMALLEST..=LARGEST).contains(&value) {
             return Ok(());
         }
         self.fail(key, six(value), &format!("a number above 0, from {SMALLEST:e} to {LARGEST:e}"))
     }
 
-    fn all_within(&self, key: &str, values: &[f64], largest: f64) -> Result<(), Error> {
+    pub(crate) fn all_within(&self, key: &str, values: &[f64], largest: f64) -> Result<(), Error> {
         let mut values = values.iter().enumerate();
         values.try_for_each(|(index, &value)| self.within(&format!("{key}[{index}]"), value, -largest, largest))
     }
 
     /// An optional number, or one with a default.
-    fn finite_if(&self, key: &str, value: impl Into<Option<f64>>) -> Result<(), Error> {
+    pub(crate) fn finite_if(&self, key: &str, value: impl Into<Option<f64>>) -> Result<(), Error> {
         match value.into().filter(|value| !value.is_finite()) {
             Some(value) => self.fail(key, value, "a finite number"),
             None => Ok(()),
         }
     }
 
-    fn point(&self, key: &str, point: Point) -> Result<(), Error> {
+    pub(crate) fn point(&self, key: &str, point: Point) -> Result<(), Error> {
         if point.iter().all(|value| value.is_finite()) {
             return Ok(());
         }
         self.fail(key, digits::list(&point), "finite coordinates")
     }
 
-    fn speeds(&self, key: &str, speeds: [f64; 2], unit: &str) -> Result<(), Error> {
+    pub(crate) fn speeds(&self, key: &str, speeds: [f64; 2], unit: &str) -> Result<(), Error> {
         if speeds.iter().all(|value| value.abs() <= LARGEST_SPEED) {
             return Ok(());
         }
@@ -84,7 +84,7 @@ impl Checker<'_> {
         self.fail(key, digits::list(&speeds), &expected)
     }
 
-    fn points(&self, key: &str, points: &[Point], least: usize) -> Result<(), Error> {
+    pub(crate) fn points(&self, key: &str, points: &[Point], least: usize) -> Result<(), Error> {
         if points.len() < least {
             return self.fail(key, format!("{} points", points.len()), &format!("at least {least} points"));
         }
@@ -92,7 +92,7 @@ impl Checker<'_> {
     }
 
     /// Refuses two entries of a list with one name.
-    fn unique<'a>(&self, list: &str, names: impl Iterator<Item = (usize, &'a str)>) -> Result<(), Error> {
+    pub(crate) fn unique<'a>(&self, list: &str, names: impl Iterator<Item = (usize, &'a str)>) -> Result<(), Error> {
         let mut known = BTreeMap::new();
         for (index, name) in names {
             if let Some(first) = known.insert(name, index) {
@@ -101,24 +101,6 @@ impl Checker<'_> {
             }
         }
         Ok(())
-    }
-}
-
-/// Checks the figures that a scene or case asks for; `name` is used in messages.
-///
-/// # Errors
-/// A number out of its range, or a name that two of them have.
-pub fn validate_checks(checks: &[Check], name: &str) -> Result<(), Error> {
-    checks.iter().enumerate().try_for_each(|(index, figure)| figure.validate(name, index))?;
-    Checker { name }.unique("check", checks.iter().map(|check| check.name.as_str()).enumerate())
-}
-
-impl QuickCheck {
-    fn validate(&self, check: &Checker, key: &str) -> Result<(), Error> {
-        for (name, value) in [("reference", self.reference), ("from", self.from), ("to", self.to)] {
-            check.finite_if(&format!("{key}.{name}"), value)?;
-        }
-        check.within(&format!("{key}.limit"), self.limit.unwrap_or(0.0), 0.0, f64::MAX)
     }
 }
 
@@ -195,32 +177,6 @@ impl Coupling {
         check.within("coupling.smallest_step", self.smallest_step, 0.0, communication_step)?;
         check.within("coupling.predictor_order", self.predictor_order.unwrap_or(0) as f64, 0.0, 2.0)?;
         check.within("coupling.reused_steps", self.reused_steps as f64, 0.0, 100.0)
-    }
-}
-
-impl Check {
-    /// Checks every number of the check with this index; `name` is used in messages.
-    pub fn validate(&self, name: &str, index: usize) -> Result<(), Error> {
-        let check = Checker { name };
-        let key = |field: &str| format!("check[{index}].{field}");
-        check.finite_if(&key("from"), self.from)?;
-        check.finite_if(&key("to"), self.to)?;
-        if let (Some(from), Some(to)) = (self.from, self.to)
-            && to < from
-        {
-            check.fail(&key("to"), to, &format!("at least {from}, where the window starts"))?;
-        }
-        check.finite_if(&key("scale"), self.scale)?;
-        check.finite_if(&key("offset"), self.offset)?;
-        check.positive(&key("time_scale"), self.time_scale)?;
-        check.finite_if(&key("reference"), self.reference)?;
-        check.within(&key("limit"), self.limit.unwrap_or(0.0), 0.0, f64::MAX)?;
-        check.points(&key("points"), &self.points, 0)?;
-        check.positive(&key("window"), self.window.unwrap_or(1.0))?;
-        check.finite_if(&key("level"), self.level)?;
-        check.finite_if(&key("rest"), self.rest)?;
-        self.quick.as_ref().map_or(Ok(()), |quick| quick.validate(&check, &key("quick")))?;
-        check.positive(&key("depth"), self.depth.unwrap_or(1.0))
     }
 }
 
