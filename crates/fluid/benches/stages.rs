@@ -2,8 +2,8 @@
 //! fall.
 
 use divan::Bencher;
-use fluid::{Geometry, Parameters, SolveParameters, Solver, Stages, State};
-use nalgebra::Vector2;
+use fluid::{Solver, Stages, State};
+use samples::{Column, parameters, voronoi};
 
 /// Particles.
 const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
@@ -14,20 +14,9 @@ fn main() {
 
 /// A column of about `count` particles after ten steps, and the length of the next one.
 fn column(count: usize) -> Option<(Solver, State, f64)> {
-    let points = |list: &[(f64, f64)]| list.iter().map(|&(x, y)| Vector2::new(x, y)).collect::<Vec<_>>();
-    let spacing = (0.146 * 0.292 / count as f64).sqrt();
-    let geometry = Geometry {
-        water: vec![points(&[(0.0, 0.0), (0.146, 0.0), (0.146, 0.292), (0.0, 0.292)])],
-        fixed_walls: vec![points(&[(0.0, 1.2), (0.0, 0.0), (0.584, 0.0), (0.584, 1.2)])],
-        ..Geometry::default()
-    };
-    let parameters = Parameters {
-        spacing,
-        solve: SolveParameters { tolerance: 1e-4, maximum_iterations: 500 },
-        threads: 1,
-        ..Parameters::default()
-    };
-    let solver = Solver::new(parameters, geometry).ok()?;
+    let column = Column::KOSHIZUKA;
+    let spacing = (column.area() / count as f64).sqrt();
+    let solver = Solver::new(parameters(voronoi(), spacing, 1e-4, 1), column.geometry(1.2)).ok()?;
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let time_step = 0.1 * (spacing / 9.81).sqrt();
     for _ in 0..10 {

@@ -7,6 +7,7 @@
 use fluid::{Geometry, Parameters, Scheme, SolveParameters, Solver, State, VoronoiParameters};
 use nalgebra::Vector2;
 use rayon::prelude::*;
+use samples::Column;
 use std::f64::consts::TAU;
 
 const DENSITY: f64 = 1000.0;
@@ -82,9 +83,9 @@ impl Case {
             },
             Case::Dam => Outline {
                 name: "dam",
-                width: 0.146,
-                depth: 0.292,
-                tank: 0.584,
+                width: Column::KOSHIZUKA.width,
+                depth: Column::KOSHIZUKA.height,
+                tank: Column::KOSHIZUKA.tank,
                 duration: 0.5,
                 probe: Vector2::new(0.05, 0.02),
                 fastest: 3.0,

@@ -4,30 +4,15 @@
 //! Prints a line of figures per hundredth of the run, water at rest in a tank or a collapsing column, and at the end
 //! where the time went, in nanoseconds per particle and internal step.
 
-use fluid::{Geometry, Parameters, SolveParameters, Solver, StageTimes};
+use fluid::{Geometry, Solver, StageTimes};
 use nalgebra::Vector2;
-
-fn points(list: &[(f64, f64)]) -> Vec<Vector2<f64>> {
-    list.iter().map(|&(x, y)| Vector2::new(x, y)).collect()
-}
+use samples::{Column, parameters, voronoi};
 
 fn geometry(case: &str) -> Geometry {
-    let (width, height, tank) = if case == "dam" { (0.146, 0.292, 0.584) } else { (1.0, 0.5, 1.0) };
-    Geometry {
-        water: vec![points(&[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])],
-        fixed_walls: vec![points(&[(0.0, 3.0 * height), (0.0, 0.0), (tank, 0.0), (tank, 3.0 * height)])],
-        probes: vec![Vector2::new(0.5 * tank, 0.0).into()],
-        ..Geometry::default()
-    }
-}
-
-fn parameters(spacing: f64, threads: usize) -> Parameters {
-    Parameters {
-        spacing,
-        solve: SolveParameters { tolerance: 1e-3, maximum_iterations: 500 },
-        threads,
-        ..Parameters::default()
-    }
+    let still = Column { width: 1.0, height: 0.5, tank: 1.0 };
+    let column = if case == "dam" { Column::KOSHIZUKA } else { still };
+    let probes = vec![Vector2::new(0.5 * column.tank, 0.0).into()];
+    Geometry { probes, ..column.geometry(3.0 * column.height) }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -36,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let spacing: f64 = arguments.next().map_or(Ok(0.01), |text| text.parse())?;
     let end: f64 = arguments.next().map_or(Ok(1.0), |text| text.parse())?;
     let threads: usize = arguments.next().map_or(Ok(0), |text| text.parse())?;
-    let solver = Solver::new(parameters(spacing, threads), geometry(&case))?;
+    let solver = Solver::new(parameters(voronoi(), spacing, 1e-3, threads), geometry(&case))?;
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
     let still = solver.at_rest();
     println!("time [s], internal steps, front [m], floor pressure [Pa], kinetic energy [J/m], potential energy [J/m]");

@@ -1,12 +1,10 @@
 //! Solids with acute corners far from the water, and near it, are accepted at every spacing.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{parameters, points, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
 use kinematics::Body;
 use nalgebra::Vector2;
+use samples::{parameters, points, rectangle, tank, voronoi};
 
 const SPACINGS: [f64; 6] = [0.1, 0.07, 0.05, 0.034, 0.025, 0.02];
 

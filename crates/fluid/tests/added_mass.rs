@@ -1,12 +1,10 @@
 //! Added mass: the load that it predicts, its symmetry, and its value for a square deep under the surface.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{parameters, plate, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver, State, Workspace};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
+use samples::{parameters, plate, rectangle, tank, voronoi};
 
 fn geometry(body: Body, active: Vec<usize>) -> Geometry {
     Geometry {

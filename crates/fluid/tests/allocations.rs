@@ -1,10 +1,8 @@
 //! A step allocates nothing once its memory is there.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{dam_break_plate, parameters, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
+use samples::{dam_break_plate, parameters, rectangle, tank, voronoi};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 

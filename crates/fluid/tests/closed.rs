@@ -1,11 +1,9 @@
 //! Closed tanks filled to the lid.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{parameters, rectangle};
 use fluid::{Geometry, Observables, Parameters, Scheme, Solver, VoronoiParameters};
 use nalgebra::Vector2;
+use samples::{parameters, rectangle};
 
 /// A closed tank of 1 m by 0.5 m from (`x`, 0), walked with the water on the left.
 fn closed_tank(x: f64) -> Vec<Vector2<f64>> {

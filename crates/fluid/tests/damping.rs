@@ -1,12 +1,10 @@
 //! Verification: damping zones, random displacement at the start, and a body that meets a wall.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{mps, parameters, points, rectangle, tank, voronoi};
 use fluid::{AffineVelocity, DampingZone, Error, Geometry, Jitter, Solver};
 use kinematics::Body;
 use nalgebra::Vector2;
+use samples::{mps, parameters, points, rectangle, tank, voronoi};
 
 /// A square of water in flight without gravity loses its speed as exp(-rate t) where the damping is full.
 #[test]

@@ -1,12 +1,10 @@
 //! Gaps narrower than a particle, beside blocks and bodies in water at rest.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{parameters, points, rectangle, tank, voronoi};
 use fluid::{Error, Geometry, Observables, Solver, State};
 use kinematics::Body;
 use nalgebra::Vector2;
+use samples::{parameters, points, rectangle, tank, voronoi};
 
 const SPACING: f64 = 0.02;
 /// Weight of a cubic metre of water \[N\].

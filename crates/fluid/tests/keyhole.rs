@@ -1,11 +1,9 @@
 //! Water around an obstacle as one polygon with a slit, at rest.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{mps, parameters, points, rectangle, tank, voronoi};
 use fluid::{Geometry, Scheme, Solver};
 use nalgebra::Vector2;
+use samples::{mps, parameters, points, rectangle, tank, voronoi};
 
 /// A tank with an obstacle from (`low`, `low`) to (`high`, `high`) under water.
 fn geometry(side: f64, low: f64, high: f64) -> Geometry {

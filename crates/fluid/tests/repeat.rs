@@ -1,11 +1,9 @@
 //! A step is a function of state, motion and duration: same bits for threads, repeats and fresh scratch.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{dam_break_plate, mps, parameters, voronoi};
 use fluid::{Solver, State, Workspace};
 use kinematics::Motion;
+use samples::{dam_break_plate, mps, parameters, voronoi};
 
 /// A motion that makes the plate swing, so that walls, images and loads take part.
 fn motion(time: f64) -> Motion {

@@ -1,11 +1,9 @@
 //! Verification: water at rest stays at rest as far as the scheme allows, and stays in.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{mps, parameters, rectangle, tank, voronoi};
 use fluid::{Geometry, Solver};
 use nalgebra::Vector2;
+use samples::{mps, parameters, rectangle, tank, voronoi};
 
 /// Four seconds of still water, 25 spacings deep. The one-sided gradient jostles particles all the time; fluid speeds
 /// of 0.2 m/s and a pressure noise of about one per cent are what this scheme gives at r_e = 3.1. A pair of surface

@@ -1,12 +1,10 @@
 //! Several bodies, and several members on one, in one water.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{parameters, plate, points, rectangle, tank, voronoi};
 use fluid::{Geometry, Probe, Solver, State, Workspace};
 use kinematics::{Body, BodySet, Motion};
 use nalgebra::Vector2;
+use samples::{parameters, plate, points, rectangle, tank, voronoi};
 
 /// Two boxes, 0.2 m wide, 0.1 m deep in water of 0.5 m, side by side.
 fn two_boxes() -> Geometry {

@@ -1,10 +1,8 @@
 //! Verification: a jet over a sharp sill gives away energy and gains none, however short the steps.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{parameters, points, rectangle};
 use fluid::{Geometry, Scheme, Solver, VoronoiParameters};
+use samples::{parameters, points, rectangle};
 
 /// Energy and water beyond the sill every 10 ms, of water 0.6 m deep behind a wall with a slot 0.16 m high.
 fn flow(courant: f64) -> (Vec<f64>, f64) {

@@ -1,11 +1,9 @@
 //! Verification: a splash throws nothing out that the water has no energy for.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{parameters, rectangle, tank, voronoi};
-use fluid::{Geometry, Solver};
+use fluid::Solver;
 use nalgebra::Vector2;
+use samples::{Column, parameters, voronoi};
 
 /// A column breaks into a wall, where its front becomes a jet one or two particles wide. Two particles that nearly
 /// touch there have a velocity gradient far above that of the flow, and were once thrown out at 50 times sqrt(2 g H).
@@ -13,27 +11,22 @@ use nalgebra::Vector2;
 #[test]
 fn a_dam_break_throws_nothing_out() {
     for jitter in [0.1, 0.15, 0.2] {
-        let geometry = Geometry {
-            water: vec![rectangle(0.0, 0.0, 0.146, 0.292)],
-            fixed_walls: vec![tank(0.584, 0.8)],
-            ..Geometry::default()
-        };
-        let spacing = 0.292 / 50.0;
-        let solver = Solver::new(parameters(voronoi(), spacing, 1e-5, 2), geometry).unwrap();
+        let column = Column::KOSHIZUKA;
+        let spacing = column.height / 50.0;
+        let solver = Solver::new(parameters(voronoi(), spacing, 1e-5, 2), column.geometry(0.8)).unwrap();
         let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
         let noise = |k: usize| ((k * 7919 + 31) % 1009) as f64 / 504.5 - 1.0;
         for (k, position) in state.positions.iter_mut().enumerate() {
             *position += Vector2::new(noise(2 * k), noise(2 * k + 1)) * (jitter * spacing);
         }
-        let reference = 0.5 * 9810.0 * 0.292 * 0.292 * 0.146;
         let (mut lowest, mut rise, mut fastest) = (f64::MAX, 0.0_f64, 0.0_f64);
         for _ in 0..200 {
             solver.step(&mut state, &solver.at_rest(), 0.002, &mut workspace).unwrap();
             let seen = solver.observe(&state);
             let energy = seen.kinetic_energy + seen.potential_energy;
             lowest = lowest.min(energy);
-            rise = rise.max((energy - lowest) / reference);
-            fastest = fastest.max(seen.maximum_speed / (2.0_f64 * 9.81 * 0.292).sqrt());
+            rise = rise.max((energy - lowest) / column.potential_energy());
+            fastest = fastest.max(seen.maximum_speed / column.falling_speed());
         }
         assert_eq!(state.lost, 0, "jitter {jitter}");
         assert!(fastest < 3.5, "jitter {jitter}: a particle reached {fastest} sqrt(2 g H)");

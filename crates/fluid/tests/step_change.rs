@@ -1,12 +1,10 @@
 //! Verification: the load on a body and the pressure on it do not depend on the length of the step, nor on its changes.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{parameters, points, rectangle, voronoi};
 use fluid::{Geometry, Jitter, Parameters, Probe, Solver};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
+use samples::{parameters, points, rectangle, voronoi};
 
 /// Speed at which the wedge goes down \[m/s\].
 const SPEED: f64 = 1.0;

@@ -1,12 +1,10 @@
 //! What is symmetric stays so: loads across the axis are rounding.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{mps, parameters, points, rectangle, voronoi};
 use fluid::{Geometry, Scheme, Solver};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
+use samples::{mps, parameters, points, rectangle, voronoi};
 
 /// Largest load across the axis and moment about it of a wedge of 30 degrees that is pressed into water, over the load
 /// along the axis and that times the wedge's half width.

@@ -1,12 +1,10 @@
 //! Verification of walls: what particles see at them, what they feel, and that nothing passes.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
-use common::{mps, parameters, plate, rectangle, tank, voronoi};
 use fluid::{Geometry, Probe, Scheme, Solver, VoronoiParameters};
 use kinematics::{Body, Motion};
 use nalgebra::Vector2;
+use samples::{Column, mps, parameters, plate, rectangle, tank, voronoi};
 
 fn lattice_density(radius: f64) -> f64 {
     fluid::Kernel::new(radius, Vector2::new(1.0, 1.0)).reference_density
@@ -69,7 +67,7 @@ fn added_mass_of_a_wall_is_westergaards() {
         let body = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![wall], members: Vec::new() };
         let geometry = Geometry {
             water: vec![rectangle(0.0, 0.0, 4.0, 1.0)],
-            fixed_walls: vec![common::points(&[(-0.2, 0.0), (4.0, 0.0), (4.0, 1.2)])],
+            fixed_walls: vec![samples::points(&[(-0.2, 0.0), (4.0, 0.0), (4.0, 1.2)])],
             bodies: body.into(),
             ..Geometry::default()
         };
@@ -127,12 +125,14 @@ fn momentum_of_a_dam_break_is_that_of_gravity_and_walls() {
         spreading: 0.0,
         ..VoronoiParameters::default()
     });
-    let tank = Body { origin: Vector2::zeros(), angle: 0.0, walls: vec![tank(0.584, 0.8)], members: Vec::new() };
-    let geometry =
-        Geometry { water: vec![rectangle(0.0, 0.0, 0.146, 0.292)], bodies: tank.into(), ..Geometry::default() };
+    // The tank itself is the body that the water loads.
+    let column = Column::KOSHIZUKA;
+    let standing = column.geometry(0.8);
+    let tank = Body { origin: Vector2::zeros(), angle: 0.0, walls: standing.fixed_walls.clone(), members: Vec::new() };
+    let geometry = Geometry { fixed_walls: Vec::new(), bodies: tank.into(), ..standing };
     let solver = Solver::new(parameters(scheme, 0.006, 1e-9, 2), geometry).unwrap();
     let (mut state, mut workspace) = (solver.initial_state(), solver.workspace());
-    let weight = 1000.0 * 0.146 * 0.292 * 9.81;
+    let weight = column.weight();
     let mut impulse = Vector2::zeros();
     for _ in 0..200 {
         solver.step(&mut state, &solver.at_rest(), 1e-3, &mut workspace).unwrap();
