@@ -9,6 +9,8 @@
 //!         stiffness: f64 = 100.0, in 0.0 to 1e6;
 //!         /// Number of coils.
 //!         coils: usize = 7, in 1 to 100;
+//!         /// Length at rest \[m\]; not given, that of the scene.
+//!         length: Option<f64> = None, at least 0.0;
 //!         /// Whether it is preloaded.
 //!         preloaded: bool = false;
 //!     }
@@ -49,32 +51,40 @@ impl fmt::Display for OutOfRange {
     }
 }
 
-/// A number that a key can be.
+/// A number that a key can be, or may be.
 pub trait Number: Copy {
-    /// The same as a floating-point number.
-    fn value(self) -> f64;
+    /// The same as a floating-point number; none where it is not given.
+    fn value(self) -> Option<f64>;
 }
 
 impl Number for f64 {
-    fn value(self) -> f64 {
-        self
+    fn value(self) -> Option<f64> {
+        Some(self)
     }
 }
 
 impl Number for usize {
-    fn value(self) -> f64 {
-        self as f64
+    fn value(self) -> Option<f64> {
+        Some(self as f64)
+    }
+}
+
+impl<N: Number> Number for Option<N> {
+    fn value(self) -> Option<f64> {
+        self.and_then(N::value)
     }
 }
 
 impl Key {
-    /// Refuses a value out of the range, or one that is no number.
+    /// Refuses a value out of the range, or one that is no number; one that is not given is as good as its default.
     ///
     /// # Errors
     /// The value and the range.
     pub fn check(self, value: impl Number) -> Result<(), OutOfRange> {
-        let got = value.value();
-        if got >= self.low && got <= self.high { Ok(()) } else { Err(OutOfRange { key: self, got }) }
+        match value.value() {
+            Some(got) if !(got >= self.low && got <= self.high) => Err(OutOfRange { key: self, got }),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -86,7 +96,7 @@ macro_rules! keys {
         pub struct $name:ident {
             $(
                 $(#[doc = $text:expr])+
-                $key:ident: $type:ty = $default:expr $(, in $low:literal to $high:literal)?;
+                $key:ident: $type:ty = $default:expr $(, in $low:literal to $high:literal)? $(, at least $least:literal)?;
             )*
         }
     ) => {
@@ -100,6 +110,7 @@ macro_rules! keys {
             $(
                 $(#[doc = $text])+
                 $(#[schemars(range(min = $low, max = $high))])?
+                $(#[schemars(range(min = $least))])?
                 pub $key: $type,
             )*
         }
@@ -113,7 +124,10 @@ macro_rules! keys {
         impl $name {
             /// The keys that have a range.
             pub const RANGES: &'static [$crate::Key] = &[
-                $($($crate::Key { name: stringify!($key), low: $low as f64, high: $high as f64 },)?)*
+                $(
+                    $($crate::Key { name: stringify!($key), low: $low as f64, high: $high as f64 },)?
+                    $($crate::Key { name: stringify!($key), low: $least as f64, high: f64::MAX },)?
+                )*
             ];
 
             /// Checks every number against its range.
@@ -121,7 +135,10 @@ macro_rules! keys {
             /// # Errors
             /// The first that is out of it.
             pub fn check(&self) -> Result<(), $crate::OutOfRange> {
-                $($($crate::Key { name: stringify!($key), low: $low as f64, high: $high as f64 }.check(self.$key)?;)?)*
+                $(
+                    $($crate::Key { name: stringify!($key), low: $low as f64, high: $high as f64 }.check(self.$key)?;)?
+                    $($crate::Key { name: stringify!($key), low: $least as f64, high: f64::MAX }.check(self.$key)?;)?
+                )*
                 Ok(())
             }
         }
@@ -133,12 +150,14 @@ mod tests {
     extern crate self as keys;
 
     crate::keys! {
-        /// Three keys.
+        /// Keys of every kind.
         pub struct Three {
             /// A share.
             share: f64 = 0.5, in 0.0 to 1.0;
             /// A shift.
             shift: f64 = 0.0, in -1e12 to 1e12;
+            /// A time, if one is given.
+            time: Option<f64> = None, at least 0.0;
             /// A word.
             word: String = "none".to_string();
         }
@@ -150,7 +169,10 @@ mod tests {
         let refused = |share| Three { share, ..Three::default() }.check().unwrap_err();
         assert_eq!(refused(1.5).to_string(), "share = 1.5, expected a number from 0 to 1");
         assert!(refused(f64::NAN).got.is_nan());
-        assert_eq!(Three::RANGES.iter().map(|key| key.name).collect::<Vec<_>>(), ["share", "shift"]);
+        let early = Three { time: Some(-1.0), ..Three::default() };
+        assert_eq!((early.check().unwrap_err().key.low, early.check().unwrap_err().key.high), (0.0, f64::MAX));
+        assert!(Three { time: Some(1e300), ..Three::default() }.check().is_ok());
+        assert_eq!(Three::RANGES.iter().map(|key| key.name).collect::<Vec<_>>(), ["share", "shift", "time"]);
     }
 
     #[test]
@@ -166,6 +188,8 @@ mod tests {
         let schema = schemars::schema_for!(Three);
         let share = &schema.as_value()["properties"]["share"];
         assert_eq!(share["description"], "A share.");
+        let time = &schema.as_value()["properties"]["time"];
+        assert_eq!((&time["minimum"], time.get("maximum")), (&0.0.into(), None));
         assert_eq!((&share["minimum"], &share["maximum"], &share["default"]), (&0.0.into(), &1.0.into(), &0.5.into()));
     }
 }

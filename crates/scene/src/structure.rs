@@ -1,6 +1,7 @@
 //! The structure in a scene file. Field names are the keys of the file.
 
 use crate::{Point, Wall};
+use keys::keys;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -43,20 +44,14 @@ pub struct Structure {
     pub constant_load: Vec<f64>,
 }
 
-/// Contact with fixed walls: a corner at the depth delta is pushed out by k delta (1 + damping delta'), without
-/// friction.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Contact {
-    /// Depth to which one corner sinks under the cabin's weight \[m\]; decides the stiffness k.
-    pub depth: f64,
-    /// Share of its speed that an impact loses, over that speed \[s/m\].
-    pub damping: f64,
-}
-
-impl Default for Contact {
-    fn default() -> Self {
-        Self { depth: 1e-4, damping: 5.0 }
+keys! {
+    /// Contact with fixed walls: a corner at the depth delta is pushed out by k delta (1 + damping delta'), without
+    /// friction.
+    pub struct Contact {
+        /// Depth to which one corner sinks under the cabin's weight \[m\]; decides the stiffness k.
+        depth: f64 = 1e-4, in 1e-9 to 1.0;
+        /// Share of its speed that an impact loses, over that speed \[s/m\].
+        damping: f64 = 5.0, in 0.0 to 1e6;
     }
 }
 
@@ -137,21 +132,15 @@ pub enum Support {
     ClampedFree,
 }
 
-/// Time integration of the structure.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Integrator {
-    /// Spectral radius at infinite frequency (0 to 1); given, generalised-alpha replaces Newmark.
-    pub rho_infinity: Option<f64>,
-    /// Newmark's beta.
-    pub beta: f64,
-    /// Newmark's gamma.
-    pub gamma: f64,
-}
-
-impl Default for Integrator {
-    fn default() -> Self {
-        Self { rho_infinity: None, beta: 0.25, gamma: 0.5 }
+keys! {
+    /// Time integration of the structure.
+    pub struct Integrator {
+        /// Spectral radius at infinite frequency; given, generalised-alpha replaces Newmark.
+        rho_infinity: Option<f64> = None, in 0.0 to 1.0;
+        /// Newmark's beta.
+        beta: f64 = 0.25, in 0.01 to 1.0;
+        /// Newmark's gamma.
+        gamma: f64 = 0.5, in 0.5 to 1.0;
     }
 }
 

@@ -66,23 +66,17 @@ pub struct Run {
     pub communication_step: f64,
 }
 
-/// What is written and how often.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Output {
-    /// Time between field frames \[s\]; 0 writes none.
-    pub interval: f64,
-    /// Time between rows of the results \[s\]; 0 writes every communication step.
-    pub record_interval: f64,
-    /// Wall-clock time between checkpoints, from which a run can be resumed \[s\]; 0 writes none.
-    pub checkpoint_interval: f64,
-    /// Variables to plot, by name; empty plots a default choice.
-    pub plot: Vec<String>,
-}
-
-impl Default for Output {
-    fn default() -> Self {
-        Self { interval: 0.02, record_interval: 0.0, checkpoint_interval: 30.0, plot: Vec::new() }
+keys! {
+    /// What is written and how often.
+    pub struct Output {
+        /// Time between field frames \[s\]; 0 writes none.
+        interval: f64 = 0.02, at least 0.0;
+        /// Time between rows of the results \[s\]; 0 writes every communication step.
+        record_interval: f64 = 0.0, at least 0.0;
+        /// Wall-clock time between checkpoints, from which a run can be resumed \[s\]; 0 writes none.
+        checkpoint_interval: f64 = 30.0, in 0.0 to 1e9;
+        /// Variables to plot, by name; empty plots a default choice.
+        plot: Vec<String> = Vec::new();
     }
 }
 
@@ -238,44 +232,28 @@ pub struct Wall {
     pub closed: bool,
 }
 
-/// How fluid and structure are coupled.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Coupling {
-    /// Method.
-    pub method: Method,
-    /// For `explicit`: whether the structure takes the fluid's added mass into its equations.
-    pub added_mass: bool,
-    /// Relaxation factor: of `constant`, and of the first iteration of the others (0 to 1).
-    pub relaxation: f64,
-    /// Residual allowed relative to the exchanged quantity.
-    pub tolerance_relative: f64,
-    /// Residual allowed in the quantity's own unit.
-    pub tolerance_absolute: f64,
-    /// Iterations after which the step is halved.
-    pub maximum_iterations: usize,
-    /// Step below which the run stops with an error \[s\]; 0 takes 1/64 of the communication step.
-    pub smallest_step: f64,
-    /// Order of the extrapolation that starts a step: 0, 1 or 2. Missing: 1 for methods that iterate, and 0 for an
-    /// explicit exchange, which an extrapolated load makes unstable at a third of the mass ratio.
-    pub predictor_order: Option<usize>,
-    /// Past steps whose columns iqn_ils reuses.
-    pub reused_steps: usize,
-}
-
-impl Default for Coupling {
-    fn default() -> Self {
-        Self {
-            method: Method::Auto,
-            added_mass: true,
-            relaxation: 0.2,
-            tolerance_relative: 1e-6,
-            tolerance_absolute: 1e-6,
-            maximum_iterations: 30,
-            smallest_step: 0.0,
-            predictor_order: None,
-            reused_steps: 4,
-        }
+keys! {
+    /// How fluid and structure are coupled.
+    pub struct Coupling {
+        /// Method.
+        method: Method = Method::Auto;
+        /// For `explicit`: whether the structure takes the fluid's added mass into its equations.
+        added_mass: bool = true;
+        /// Relaxation factor: of `constant`, and of the first iteration of the others.
+        relaxation: f64 = 0.2, in 1e-6 to 1.0;
+        /// Residual allowed relative to the exchanged quantity.
+        tolerance_relative: f64 = 1e-6, in 0.0 to 1.0;
+        /// Residual allowed in the quantity's own unit.
+        tolerance_absolute: f64 = 1e-6, at least 0.0;
+        /// Iterations after which the step is halved.
+        maximum_iterations: usize = 30, in 1 to 1e4;
+        /// Step below which the run stops with an error \[s\]; 0 takes 1/64 of the communication step.
+        smallest_step: f64 = 0.0, at least 0.0;
+        /// Order of the extrapolation that starts a step: 0, 1 or 2. Missing: 1 for methods that iterate, and 0 for an
+        /// explicit exchange, which an extrapolated load makes unstable at a third of the mass ratio.
+        predictor_order: Option<usize> = None, in 0 to 2;
+        /// Past steps whose columns iqn_ils reuses.
+        reused_steps: usize = 4, in 0 to 100;
     }
 }
 

@@ -149,10 +149,7 @@ impl Run {
 impl Output {
     /// Checks the intervals; `name` is used in messages.
     pub fn validate(&self, name: &str) -> Result<(), Error> {
-        let check = Checker { name };
-        check.within("output.interval", self.interval, 0.0, f64::MAX)?;
-        check.within("output.record_interval", self.record_interval, 0.0, f64::MAX)?;
-        check.within("output.checkpoint_interval", self.checkpoint_interval, 0.0, 1e9)
+        Checker { name }.keys("output", self.check())
     }
 }
 
@@ -167,16 +164,11 @@ impl Coupling {
     /// Checks every number, for a communication step of this length \[s\]; `name` is used in messages.
     pub fn validate(&self, name: &str, communication_step: f64) -> Result<(), Error> {
         let check = Checker { name };
-        check.within("coupling.relaxation", self.relaxation, 1e-6, 1.0)?;
-        check.within("coupling.tolerance_relative", self.tolerance_relative, 0.0, 1.0)?;
-        check.within("coupling.tolerance_absolute", self.tolerance_absolute, 0.0, f64::MAX)?;
+        check.keys("coupling", self.check())?;
         if self.tolerance_relative == 0.0 && self.tolerance_absolute == 0.0 {
             check.fail("coupling.tolerance_relative, tolerance_absolute", "0, 0", "at least one above 0")?;
         }
-        check.within("coupling.maximum_iterations", self.maximum_iterations as f64, 1.0, 1e4)?;
-        check.within("coupling.smallest_step", self.smallest_step, 0.0, communication_step)?;
-        check.within("coupling.predictor_order", self.predictor_order.unwrap_or(0) as f64, 0.0, 2.0)?;
-        check.within("coupling.reused_steps", self.reused_steps as f64, 0.0, 100.0)
+        check.within("coupling.smallest_step", self.smallest_step, 0.0, communication_step)
     }
 }
 
@@ -309,17 +301,12 @@ fn validate_structure(check: &Checker, structure: &Structure) -> Result<(), Erro
     for (k, &spring) in structure.springs.iter().enumerate() {
         check.within(&format!("structure.springs[{k}]"), spring, 0.0, 1e15)?;
     }
-    if let Some(rho) = structure.integrator.rho_infinity {
-        check.within("structure.integrator.rho_infinity", rho, 0.0, 1.0)?;
-    }
-    check.within("structure.integrator.beta", structure.integrator.beta, 0.01, 1.0)?;
-    check.within("structure.integrator.gamma", structure.integrator.gamma, 0.5, 1.0)?;
+    check.keys("structure.integrator", structure.integrator.check())?;
     for (i, wall) in structure.wall.iter().enumerate() {
         check.points(&format!("structure.wall[{i}].points"), &wall.points, 2)?;
     }
     if let Some(contact) = &structure.contact {
-        check.within("structure.contact.depth", contact.depth, 1e-9, 1.0)?;
-        check.within("structure.contact.damping", contact.damping, 0.0, 1e6)?;
+        check.keys("structure.contact", contact.check())?;
         check.positive("structure.mass", structure.mass)?;
     }
     if structure.beam.is_none() && structure.wall.is_empty() && structure.free.is_empty() {
