@@ -1,6 +1,5 @@
 //! Quantities that people look at, from a state.
 
-use crate::grid::Grid;
 use crate::parameters::{Probe, Region};
 use crate::pressure_field::PressureField;
 use crate::problem::Problem;
@@ -50,18 +49,12 @@ pub struct Observables {
 const ON_WALL: f64 = 0.25;
 
 /// Computes the quantities of `state`, those of its outline from that: the front is its farthest point, the force on the
-/// walls that on its cells.
-pub fn observe(problem: &Problem, state: &State, outline: &Outline) -> Observables {
-    let walls = problem.walls(&state.motion.position);
-    let mut grid = Grid::default();
-    if !problem.geometry.probes.is_empty() {
-        grid.build(&state.positions, problem.reach);
-    }
-    let field = PressureField::of(problem, state, &grid, &walls);
+/// walls that on its cells. Probes are read in `field`, the pressures of the state.
+pub fn observe(problem: &Problem, state: &State, outline: &Outline, field: &PressureField) -> Observables {
     let (extent, farthest) = outline.extent();
     let Sums { kinetic_energy, potential_energy, momentum, centre, angular_momentum } = sums(problem, state);
     Observables {
-        probes: problem.geometry.probes.iter().map(|probe| read(problem, state, &field, probe)).collect(),
+        probes: problem.geometry.probes.iter().map(|probe| read(problem, state, field, probe)).collect(),
         region_masses: problem.geometry.regions.iter().map(|region| weigh(problem, state, region)).collect(),
         wall_force: outline.fixed_wall_force(),
         front: extent[1].x,

@@ -247,6 +247,6 @@ impl Discretisation for Mps {
         self.grid.build(&state.positions, problem.reach);
         let field = PressureField::of(problem, state, &self.grid, &walls);
         let (front, wall_force) = (self.front(problem, state), load::fixed_wall_force(&field));
-        Observables { front, wall_force, ..diagnostics::observe(problem, state, &outline) }
+        Observables { front, wall_force, ..diagnostics::observe(problem, state, &outline, &field) }
     }
 }

@@ -27,8 +27,10 @@ pub use stages::Stages;
 use crate::Error;
 use crate::diagnostics::{self, Observables};
 use crate::discretisation::{Discretisation, mean_acceleration};
+use crate::grid::Grid;
 use crate::linear::ConjugateGradient;
 use crate::parameters::VoronoiParameters;
+use crate::pressure_field::PressureField;
 use crate::problem::Problem;
 use crate::report::{Report, Watch};
 use crate::state::State;
@@ -246,7 +248,13 @@ impl Discretisation for Voronoi {
     }
 
     fn observe(&mut self, problem: &Problem, state: &State) -> Observables {
+        let walls = problem.walls(&state.motion.position);
+        let mut grid = Grid::default();
+        if !problem.geometry.probes.is_empty() {
+            grid.build(&state.positions, problem.reach);
+        }
+        let field = PressureField::of(problem, state, &grid, &walls);
         let outline = Outline::of(problem, state, self.system.cells_of(problem, state));
-        diagnostics::observe(problem, state, &outline)
+        diagnostics::observe(problem, state, &outline, &field)
     }
 }
