@@ -1,6 +1,6 @@
 """The fluid as an FMU in FMPy: a tank at rest, its pressure, and a state that is saved and restored.
 
-usage: fmu_in_fmpy.py FLUID.fmu SCENE.toml        (plimsoll pack makes the FMU; needs fmpy)
+usage: fmu_in_fmpy.py FLUID.fmu        (`plimsoll pack hydrostatic` makes the FMU; needs fmpy)
 """
 
 import shutil
@@ -12,22 +12,21 @@ from fmpy.fmi2 import FMU2Slave
 
 
 def main():
-    archive, scene = Path(sys.argv[1]), Path(sys.argv[2]).resolve()
+    archive = Path(sys.argv[1])
     description = fmpy.read_model_description(archive)
     references = {variable.name: variable.valueReference for variable in description.modelVariables}
     folder = fmpy.extract(archive)
     identifier = description.coSimulation.modelIdentifier
     fmu = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="tank")
     fmu.instantiate()
-    # Parameters come before the initialisation: here the scene and a coarser spacing.
-    fmu.setString([references["scene"]], [str(scene)])
+    # Parameters come before the initialisation: here a coarser spacing.
     fmu.setReal([references["particle_spacing"]], [0.02])
     fmu.setupExperiment(startTime=0.0)
     fmu.enterInitializationMode()
     fmu.exitInitializationMode()
 
     def pressure():
-        return fmu.getReal([references["probe.pressure[1]"]])[0]
+        return fmu.getReal([references["probe.floor_middle.pressure"]])[0]
 
     step, before = 0.01, None
     for number in range(10):
@@ -39,7 +38,7 @@ def main():
             fmu.setFMUState(kept)
             fmu.freeFMUState(kept)
         fmu.doStep(number * step, step)
-        print(f"t = {(number + 1) * step:.2f} s: {pressure():10.3f} Pa at the first probe")
+        print(f"t = {(number + 1) * step:.2f} s: {pressure():10.3f} Pa on the floor")
         if number == 5 and pressure() != before:
             sys.exit(f"the step repeated from the saved state gave {pressure()} Pa instead of {before} Pa")
     fmu.terminate()

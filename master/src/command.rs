@@ -57,21 +57,26 @@ enum Command {
     /// `[watch]`. A complete run in the folder is replaced only with --overwrite, and a folder that holds anything that no
     /// run wrote is refused.
     Run(RunArguments),
-    /// Make fluid.fmu and structure.fmu.
+    /// Make fluid.fmu and structure.fmu of a scene.
+    ///
+    /// They have the variables of that scene under its names, and start with it. Without a scene they have those of
+    /// dam_break_plate and take other scenes that have no others.
     Pack {
+        /// Name of a scene, or path of its file.
+        scene: Option<String>,
+        /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
+        #[arg(long, value_name = "KEY.PATH=VALUE")]
+        set: Vec<String>,
         /// Folder for the FMUs.
         #[arg(long, default_value = "fmus")]
         out: PathBuf,
-        /// Modes of the beam that the interface has room for.
-        #[arg(long, default_value_t = components::DEFAULT_MODES)]
-        modes: usize,
     },
     /// Make a System Structure Package (SSP 1.0) of a coupled scene for other masters.
     ///
     /// Holds both FMUs with the scene, all connections of an exchange without iteration (added mass included, unless
     /// coupling.added_mass = false), and the scene as the parameter set of each.
     Ssp {
-        /// Name of a scene with fluid and structure, or path of its file.
+        /// Name of a scene with fluid and bodies, or path of its file.
         scene: String,
         /// Change a value, for example --set fluid.spacing=0.002; may be repeated.
         #[arg(long, value_name = "KEY.PATH=VALUE")]
@@ -114,7 +119,7 @@ pub fn main() -> ExitCode {
         // A second call finds the run complete, and says where.
         None => run::run(&RunArguments { target: DEFAULT_SCENE.to_string(), resume: true, ..RunArguments::default() }),
         Some(Command::Run(arguments)) => run::run(&arguments),
-        Some(Command::Pack { out, modes }) => pack_fmus(&out, modes),
+        Some(Command::Pack { scene, set, out }) => pack_fmus(scene.as_deref(), &set, &out),
         Some(Command::Ssp { scene, set, out }) => export_package(&scene, &set, out),
         Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::New(arguments)) => create::create(&arguments),
@@ -149,12 +154,16 @@ fn watch_for_interruption(style: Style) -> Result<Arc<AtomicBool>, Failure> {
     Ok(flag)
 }
 
-fn pack_fmus(out: &Path, modes: usize) -> Result<ExitCode, Failure> {
-    let range = pack::modes_range();
-    if !range.contains(&modes) {
-        return Err(format!("--modes {modes}: expected {} to {}", range.start(), range.end()).into());
-    }
-    for packed in pack::pack(out, modes)? {
+fn pack_fmus(scene: Option<&str>, set: &[String], out: &Path) -> Result<ExitCode, Failure> {
+    let packed = match scene {
+        None if !set.is_empty() => return Err("--set changes a scene, and none is given".into()),
+        None => pack::pack(out)?,
+        Some(target) => {
+            let target = Target::find(target)?.changed(set);
+            pack::pack_scene(out, &Scene::from_file_with(&target.path, &target.overrides()?)?)?
+        }
+    };
+    for packed in packed {
         let state = if packed.written { "written" } else { "unchanged" };
         answer!("{} ({} kB, {state})", packed.path.display(), packed.size / 1000);
     }
@@ -165,8 +174,8 @@ fn export_package(target: &str, set: &[String], out: Option<PathBuf>) -> Result<
     let target = Target::find(target)?.changed(set);
     let (changes, path) = (target.overrides()?, target.path);
     let mut scene = Scene::from_file_with(&path, &changes)?;
-    if scene.fluid.is_none() || scene.structure.is_none() {
-        return Err(format!("{} has no fluid or no structure: there is nothing to couple", path.display()).into());
+    if scene.fluid.is_none() || scene.body.is_empty() {
+        return Err(format!("{} has no fluid or no body: there is nothing to couple", path.display()).into());
     }
     // Masters that import packages do not iterate.
     scene.coupling.method = scene::Method::Explicit;

@@ -14,8 +14,8 @@ pub struct DirectParticipant<C: Component> {
 }
 
 impl<C: Component> DirectParticipant<C> {
-    /// An instance of one variant (number of modes) of the component under the name `name`.
-    pub fn new(name: &str, variant: usize, log: &Log) -> Result<Self, Error> {
+    /// An instance of the component with this interface under the name `name`.
+    pub fn new(name: &str, interface: &C::Interface, log: &Log) -> Result<Self, Error> {
         let (sink, participant) = (log.clone(), name.to_string());
         let logger = Logger::to_function(move |status, category, text| {
             let level = match status {
@@ -25,7 +25,8 @@ impl<C: Component> DirectParticipant<C> {
             };
             sink.write(&participant, level, category, text);
         });
-        let instance = Instance::new(variant, None, logger).map_err(|failure| error(name, "new", 0.0, &failure))?;
+        let instance =
+            Instance::new(interface.clone(), None, logger).map_err(|failure| error(name, "new", 0.0, &failure))?;
         let description = describe(instance.model());
         Ok(Self { name: name.to_string(), instance, description, states: Vec::new(), time: 0.0 })
     }

@@ -8,7 +8,7 @@ use crate::progress::{Progress, Style};
 use crate::record::Series;
 use crate::run::{self, Outcome};
 use crate::scene_case::{self, FLUID, Places};
-use components::memory;
+use components::{Interface, memory};
 use fluid::SUGGESTED_SHARE;
 use scene::{Scene, Scheme};
 use std::path::Path;
@@ -86,10 +86,10 @@ fn trial(path: &Path, overrides: &[(String, String)], spacing: Option<f64>, cap:
     let folder = tempfile::tempdir().ok()?;
     let places = Places { scene: path.to_path_buf(), fmus: folder.path().into(), frames: folder.path().into() };
     let case = scene_case::case(&scene, &overrides, None, &places);
-    let modes = scene.modes().max(components::DEFAULT_MODES);
+    let interface = Interface::of(&scene);
     let run = |stop: &AtomicBool| {
         let participants =
-            in_process::participants(&case, modes, &Log::default()).map_err(|error| error.to_string())?;
+            in_process::participants(&case, &interface, &Log::default()).map_err(|error| error.to_string())?;
         let mut progress = Progress::new(case.start, case.run.end, Style::Silent);
         run::run(&case, participants, folder.path(), Schedule::never(), None, stop, &mut progress)
             .map(|(outcome, _)| outcome)
@@ -118,7 +118,7 @@ fn counts(scene: &Scene, series: &Series, factor: f64) -> Option<Counts> {
     let coarse = factor * fluid.spacing;
     let column = |name: &str| series.column(&format!("{FLUID}.{name}")).map(|column| &column.values);
     let (suggested, speeds) = (column("time_step.suggested")?, column("maximum_speed")?);
-    let coupled = scene.structure.as_ref().is_some_and(|structure| !structure.free.is_empty()) || scene.modes() > 0;
+    let coupled = scene.moves();
     let mut parts = Vec::new();
     // The first row is the start, before any step.
     for (row, (suggested, speed)) in suggested.iter().zip(speeds).enumerate().skip(1) {
@@ -185,7 +185,8 @@ mod tests {
 
     #[test]
     fn coupled_steps_are_those_that_the_fluid_suggests() {
-        let text = format!("{SCENE}[structure]\nfree = ['y']\nmass = 1.0\nwall = [{{ points = [[0,0],[1,0]] }}]\n");
+        let text =
+            format!("{SCENE}[[body]]\nname = 'box'\nfree = ['y']\nmass = 1.0\nwall = [{{ points = [[0,0],[1,0]] }}]\n");
         let scene = Scene::from_str(&text, "t").unwrap();
         // 10 ms are stable, 8 ms suggested: 13 steps in 0.1 s.
         let coupled = counts(&scene, &series(&[8e-3; 11], &[1.6; 11].map(|speed| speed / 4.0)), 1.0).unwrap();

@@ -5,15 +5,15 @@ use crate::direct::DirectParticipant;
 use crate::log::Log;
 use crate::participant::{Error, Participant};
 use crate::scene_case::STRUCTURE;
-use components::{FluidComponent, StructureComponent};
+use components::{FluidComponent, Interface, StructureComponent};
 
-/// The components of a case that was made from a scene, for an interface with this number of modes.
-pub fn participants(case: &Case, modes: usize, log: &Log) -> Result<Vec<Box<dyn Participant>>, Error> {
+/// The components of a case that was made from a scene with this interface.
+pub fn participants(case: &Case, interface: &Interface, log: &Log) -> Result<Vec<Box<dyn Participant>>, Error> {
     let make = |name: &str| -> Result<Box<dyn Participant>, Error> {
         Ok(if name == STRUCTURE {
-            Box::new(DirectParticipant::<StructureComponent>::new(name, modes, log)?)
+            Box::new(DirectParticipant::<StructureComponent>::new(name, interface, log)?)
         } else {
-            Box::new(DirectParticipant::<FluidComponent>::new(name, modes, log)?)
+            Box::new(DirectParticipant::<FluidComponent>::new(name, interface, log)?)
         })
     };
     case.fmu.iter().map(|fmu| make(&fmu.name)).collect()

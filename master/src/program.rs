@@ -6,6 +6,7 @@ use crate::log::Log;
 use crate::progress::{Progress, Style};
 use crate::scene_case::{self, Places};
 use crate::{in_process, pack, run, tell};
+use components::Interface;
 use scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -47,9 +48,8 @@ impl Program for Plimsoll {
     ) -> Result<Measured, String> {
         let places = Places { scene: path.to_path_buf(), fmus: folder.to_path_buf(), frames: folder.join("frames") };
         let case = scene_case::case(scene, overrides, Some(threads), &places);
-        let modes = scene.modes().max(components::DEFAULT_MODES);
-        let participants =
-            in_process::participants(&case, modes, &Log::default()).map_err(|error| error.to_string())?;
+        let participants = in_process::participants(&case, &Interface::of(scene), &Log::default())
+            .map_err(|error| error.to_string())?;
         let mut progress = Progress::new(case.start, case.run.end, Style::Quiet);
         let (outcome, _) = run::run(&case, participants, folder, Schedule::never(), None, stop, &mut progress)
             .map_err(|error| error.to_string())?;

@@ -3,8 +3,9 @@
 
 use crate::case::{Case, Connection, Fmu, Limits};
 use crate::watch::Reference;
-use components::{GAUGES, MAXIMUM_MODES, PROBES, REGIONS};
-use scene::{Coupling, Freedom, Method, Scene, Scheme};
+use components::{Interface, conversion};
+use kinematics::{Coordinate, Part};
+use scene::{Coupling, Method, Scene, Scheme};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -30,7 +31,7 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
     let freedoms = freedoms(scene);
     let mut fmus = Vec::new();
     // The structure steps first, so that its motion is fresh and the load is what is iterated.
-    if scene.structure.is_some() && (!freedoms.is_empty() || scene.fluid.is_none()) {
+    if !scene.body.is_empty() && (!freedoms.is_empty() || scene.fluid.is_none()) {
         fmus.push(fmu(STRUCTURE, scene, overrides, places));
     }
     if scene.fluid.is_some() {
@@ -75,43 +76,16 @@ fn fmu(name: &str, scene: &Scene, overrides: &[(String, String)], places: &Place
     Fmu { name: name.to_string(), path: places.fmus.join(format!("{name}.fmu")), parameters }
 }
 
-/// A degree of freedom by the endings of its variables: of a position, a velocity and acceleration, and a load.
-#[derive(Debug, Clone, PartialEq)]
-struct Ending {
-    motion: String,
-    load: String,
-}
-
-fn ending(motion: &str, load: &str) -> Ending {
-    Ending { motion: motion.to_string(), load: load.to_string() }
-}
-
-fn rigid(freedom: Freedom) -> Ending {
-    match freedom {
-        Freedom::X => ending("x", "fx"),
-        Freedom::Y => ending("y", "fy"),
-        Freedom::Theta => ending("theta", "mz"),
-    }
-}
-
-fn mode(number: usize) -> Ending {
-    ending(&format!("q[{number}]"), &format!("q[{number}]"))
-}
-
-fn freedoms(scene: &Scene) -> Vec<Ending> {
-    let free = scene.structure.as_ref().map_or(&[][..], |structure| &structure.free);
-    [Freedom::X, Freedom::Y, Freedom::Theta]
-        .into_iter()
-        .filter(|freedom| free.contains(freedom))
-        .map(rigid)
-        .chain((1..=scene.modes()).map(mode))
+/// The coordinates that answer to the load.
+fn freedoms(scene: &Scene) -> Vec<Coordinate> {
+    let layout = Interface::of(scene).layout();
+    let active = conversion::active(scene, &layout);
+    layout
+        .coordinates()
+        .enumerate()
+        .filter(|(index, _)| active.contains(index))
+        .map(|(_, coordinate)| coordinate)
         .collect()
-}
-
-/// Variables of one degree of freedom: motion, then load.
-fn variables(freedom: &Ending) -> (Vec<String>, String) {
-    let motion = ["", "v", "a"].map(|order| format!("motion.{order}{}", freedom.motion));
-    (motion.to_vec(), format!("load.{}", freedom.load))
 }
 
 /// How the scene is coupled: the scheme `mps` gives no derivatives.
@@ -131,81 +105,64 @@ fn passes_added_mass(scene: &Scene) -> bool {
     scene.coupling.method == Method::Explicit && scene.coupling.added_mass && voronoi
 }
 
-/// Index of a degree of freedom in the added mass, from 1.
-fn number(freedom: &Ending) -> usize {
-    let all = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MAXIMUM_MODES).map(mode));
-    1 + all.take_while(|known| known != freedom).count()
-}
-
-fn connections(scene: &Scene, freedoms: &[Ending]) -> Vec<Connection> {
+fn connections(scene: &Scene, freedoms: &[Coordinate]) -> Vec<Connection> {
+    let interface = Interface::of(scene);
     let link = |from: &str, to: &str, variable: &str| Connection {
         from: format!("{from}.{variable}"),
         to: format!("{to}.{variable}"),
         tolerance_absolute: None,
     };
     let mut connections = Vec::new();
-    for freedom in freedoms {
-        let (motion, load) = variables(freedom);
+    for &freedom in freedoms {
+        let motion = interface.motion(freedom);
         connections.extend(motion.iter().map(|variable| link(STRUCTURE, FLUID, variable)));
-        connections.push(link(FLUID, STRUCTURE, &load));
+        connections.push(link(FLUID, STRUCTURE, &interface.load(freedom)));
     }
     if passes_added_mass(scene) {
-        for row in freedoms {
-            connections.push(link(FLUID, STRUCTURE, &format!("load.a{}", row.motion)));
-            for column in freedoms {
-                let entry = format!("added_mass[{},{}]", number(row), number(column));
-                connections.push(link(FLUID, STRUCTURE, &entry));
+        for (index, &row) in freedoms.iter().enumerate() {
+            connections.push(link(FLUID, STRUCTURE, &interface.load_acceleration(row)));
+            for &column in &freedoms[index..] {
+                connections.push(link(FLUID, STRUCTURE, &interface.added_mass(row, column)));
             }
         }
     }
     connections
 }
 
-/// Whether the water's load on a degree of freedom says something: it acts on a body whether that is free or held.
-fn is_loaded(scene: &Scene, freedom: &Ending) -> bool {
-    let Some(structure) = &scene.structure else { return false };
-    let wetted = !structure.wall.is_empty() || structure.beam.is_some();
-    let known = [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=scene.modes()).map(mode));
-    wetted && known.into_iter().any(|known| known == *freedom)
+/// Whether the water's load on a coordinate says something: it acts on a wetted body whether that is free or held.
+fn is_loaded(scene: &Scene, coordinate: Coordinate) -> bool {
+    let body = &scene.body[coordinate.body];
+    let is_mode = matches!(coordinate.part, Part::Mode { .. });
+    is_mode || !body.wall.is_empty() || !body.member.is_empty()
 }
 
-/// Outputs that say nothing in this scene.
-fn excluded(scene: &Scene, freedoms: &[Ending]) -> Vec<String> {
-    let probes: usize =
-        scene.fluid.as_ref().map_or(0, |fluid| fluid.probe.iter().map(|probe| probe.points().len()).sum());
-    let regions = scene.fluid.as_ref().map_or(0, |fluid| fluid.region.len());
-    let mut names: Vec<String> = (probes + 1..=PROBES).map(|i| format!("{FLUID}.probe.pressure[{i}]")).collect();
-    names.extend((regions + 1..=REGIONS).map(|i| format!("{FLUID}.region.mass[{i}]")));
-    let gauges = scene.fluid.as_ref().map_or(0, |fluid| fluid.gauge.len());
-    names.extend((gauges + 1..=GAUGES).map(|i| format!("{FLUID}.level[{i}]")));
-    let all = || [Freedom::X, Freedom::Y, Freedom::Theta].into_iter().map(rigid).chain((1..=MAXIMUM_MODES).map(mode));
-    for row in all() {
-        names.push(format!("{FLUID}.load.a{}", row.motion));
-        names.extend(all().map(|column| format!("{FLUID}.added_mass[{},{}]", number(&row), number(&column))));
-    }
-    for freedom in all() {
-        let (motion, load) = variables(&freedom);
-        if !freedoms.contains(&freedom) {
-            names.extend(motion.iter().map(|variable| format!("{STRUCTURE}.{variable}")));
+/// Outputs that say nothing in this scene, or far too much: the added mass is for coupling.
+fn excluded(scene: &Scene, freedoms: &[Coordinate]) -> Vec<String> {
+    let interface = Interface::of(scene);
+    let all: Vec<Coordinate> = interface.layout().coordinates().collect();
+    let mut names = Vec::new();
+    for (index, &row) in all.iter().enumerate() {
+        names.push(format!("{FLUID}.{}", interface.load_acceleration(row)));
+        names.extend(all[index..].iter().map(|&column| format!("{FLUID}.{}", interface.added_mass(row, column))));
+        if !freedoms.contains(&row) {
+            names.extend(interface.motion(row).map(|variable| format!("{STRUCTURE}.{variable}")));
         }
-        if !is_loaded(scene, &freedom) {
-            names.push(format!("{FLUID}.{load}"));
+        if !is_loaded(scene, row) {
+            names.push(format!("{FLUID}.{}", interface.load(row)));
         }
-    }
-    if scene.structure.as_ref().is_none_or(|structure| structure.beam.is_none()) {
-        names.extend(["middle", "tip"].map(|place| format!("{STRUCTURE}.deflection.{place}")));
     }
     names
 }
 
+/// What reports call the variables of places: as the scene does.
 fn labels(scene: &Scene) -> BTreeMap<String, String> {
     let Some(fluid) = &scene.fluid else { return BTreeMap::new() };
-    let point_names = fluid.probe.iter().flat_map(scene::Probe::labels);
-    let probes = point_names.enumerate().map(|(i, name)| (format!("{FLUID}.probe.pressure[{}]", i + 1), name));
-    let regions = fluid.region.iter().enumerate();
-    let regions = regions.map(|(i, region)| (format!("{FLUID}.region.mass[{}]", i + 1), region.name.clone()));
-    let gauges = fluid.gauge.iter().enumerate();
-    let gauges = gauges.map(|(i, gauge)| (format!("{FLUID}.level[{}]", i + 1), gauge.name.clone()));
+    let named = |variable: fn(&str) -> String, label: String| {
+        (format!("{FLUID}.{}", variable(&scene::identifier(&label))), label)
+    };
+    let probes = fluid.probe.iter().flat_map(scene::Probe::labels).map(|label| named(Interface::pressure, label));
+    let regions = fluid.region.iter().map(|region| named(Interface::mass, region.name.clone()));
+    let gauges = fluid.gauge.iter().map(|gauge| named(Interface::level, gauge.name.clone()));
     probes.chain(regions).chain(gauges).collect()
 }
 
@@ -225,7 +182,7 @@ mod tests {
     const SCENE: &str = "title = 'plate'\n[run]\nend = 1.0\ncommunication_step = 0.01\n[fluid]\nspacing = 0.01\n\
         water = [{ polygon = [[0,0],[1,0],[1,0.5],[0,0.5]] }]\n\
         probe = [{ name = 'P', point = [0.5, 0.1] }, { name = 'line', from = [0,0.1], to = [0,0.4], count = 3 }]\n\
-        [structure]\nfree = ['theta']\nmass = 1.0\ninertia = 1.0\n[structure.beam]\nsupport = 'clamped_free'\n\
+        [[body]]\nname = 'gate'\nfree = ['theta']\nmass = 1.0\ninertia = 1.0\n[[body.member]]\nname = 'leaf'\nsupport = 'clamped_free'\n\
         middle = [2.0, 0.0]\nlength = 0.1\nthickness = 0.01\ndensity = 1e3\nyoungs_modulus = 1e6\nmodes = 2\n";
 
     fn places() -> Places {
@@ -239,18 +196,18 @@ mod tests {
         // Three freedoms: each three motions forward and one load back; the structure steps first.
         assert_eq!(case.connection.len(), 12);
         let froms: Vec<&str> = case.connection[..4].iter().map(|connection| connection.from.as_str()).collect();
-        let expected =
-            ["structure.motion.theta", "structure.motion.vtheta", "structure.motion.atheta", "fluid.load.mz"];
-        assert_eq!(froms, expected);
+        let motion = ["theta", "vtheta", "atheta"].map(|name| format!("structure.body.gate.motion.{name}"));
+        assert_eq!(froms[..3], motion);
+        assert_eq!(froms[3], "fluid.body.gate.load.mz");
+        assert_eq!(case.connection[4].from, "structure.body.gate.leaf.motion.q1");
         assert_eq!(case.fmu[0].name, STRUCTURE);
         assert_eq!(case.fmu[1].parameters["scene_overrides"].as_str(), Some("fluid.spacing=0.02"));
         assert_eq!(case.fmu[1].parameters["threads"].as_integer(), Some(2));
         let excluded = |name: &str| case.exclude.iter().any(|known| known == name);
-        assert!(excluded("structure.motion.q[3]") && excluded("structure.motion.x") && !excluded("fluid.load.q[2]"));
+        assert!(excluded("structure.body.gate.motion.x") && !excluded("fluid.body.gate.leaf.load.q2"));
         // The body cannot move along X, but the water pushes it there all the same.
-        assert!(!excluded("fluid.load.fx") && excluded("fluid.load.q[3]"));
-        assert!(excluded("fluid.probe.pressure[5]") && !excluded("fluid.probe.pressure[4]"));
-        assert_eq!(case.labels["fluid.probe.pressure[3]"], "line, 2");
+        assert!(!excluded("fluid.body.gate.load.fx") && excluded("fluid.added_mass.gate.x.gate.leaf.q2"));
+        assert_eq!(case.labels["fluid.probe.line_2.pressure"], "line, 2");
     }
 
     #[test]
@@ -264,22 +221,22 @@ mod tests {
     fn a_scene_without_water_or_without_structure_runs_one_fmu() {
         let scene = Scene::from_str(SCENE, "s.toml").unwrap();
         let dry = Scene { fluid: None, ..scene.clone() };
-        let still = Scene { structure: None, ..scene };
+        let still = Scene { body: Vec::new(), ..scene };
         assert_eq!(case(&dry, &[], None, &places()).fmu.len(), 1);
         let still = case(&still, &[], None, &places());
-        assert!(still.connection.is_empty() && still.exclude.iter().any(|name| name == "fluid.load.fy"));
+        assert!(still.connection.is_empty() && still.exclude.is_empty());
     }
 
     #[test]
     fn a_body_that_is_held_has_its_loads_recorded() {
         let mut scene = Scene::from_str(SCENE, "s.toml").unwrap();
-        let structure = scene.structure.as_mut().unwrap();
-        (structure.free, structure.beam) = (Vec::new(), None);
-        structure.wall = vec![scene::Wall { points: vec![[0.4, 0.2], [0.4, 0.3], [0.5, 0.2]], closed: true }];
+        let body = &mut scene.body[0];
+        (body.free, body.member) = (Vec::new(), Vec::new());
+        body.wall = vec![scene::Wall { points: vec![[0.4, 0.2], [0.4, 0.3], [0.5, 0.2]], closed: true }];
         let case = case(&scene, &[], None, &places());
-        let recorded = |load: &str| !case.exclude.iter().any(|name| *name == format!("fluid.load.{load}"));
+        let recorded = |load: &str| !case.exclude.iter().any(|name| *name == format!("fluid.body.gate.load.{load}"));
         assert_eq!((case.fmu.len(), case.connection.len()), (1, 0), "nothing moves");
-        assert!(["fx", "fy", "mz"].iter().all(|load| recorded(load)) && !recorded("q[1]"));
+        assert!(["fx", "fy", "mz"].iter().all(|load| recorded(load)));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a user should know of a scene before it runs, told by `check` and by the run alike.
 
 use report::Short;
-use scene::{Integrator, Scene};
+use scene::{Integrator, Member, Scene};
 use std::f64::consts::TAU;
 
 /// Communication steps in a period of the beam below which the time integration is too coarse for it.
@@ -9,27 +9,32 @@ const STEPS_IN_A_PERIOD: f64 = 20.0;
 
 /// Warnings about a validated scene.
 pub fn of_scene(scene: &Scene) -> Vec<String> {
-    beam_period(scene).into_iter().collect()
+    let bodies = scene.body.iter().enumerate();
+    let members =
+        bodies.flat_map(|(body, of)| of.member.iter().enumerate().map(move |(index, member)| (body, index, member)));
+    members
+        .filter_map(|(body, index, member)| beam_period(scene, member, &format!("body[{body}].member[{index}]")))
+        .collect()
 }
 
-/// A mode of the beam whose period is near the communication step swings too slowly.
-fn beam_period(scene: &Scene) -> Option<String> {
+/// A mode of a member whose period is near the communication step swings too slowly; `key` is that of the member.
+fn beam_period(scene: &Scene, member: &Member, key: &str) -> Option<String> {
     // What cannot be computed is refused elsewhere.
-    let frequencies = components::conversion::beam_frequencies(scene).ok()?;
-    let integrator = &scene.structure.as_ref()?.integrator;
+    let frequencies = components::conversion::frequencies(member).ok()?;
     let step = scene.run.communication_step;
     let coarse = |frequency: &f64| TAU / frequency < STEPS_IN_A_PERIOD * step;
     let first = frequencies.iter().position(coarse)?;
     let one = |(index, frequency): (usize, &f64)| {
-        let longer = elongation(integrator, frequency * step);
+        let longer = elongation(&scene.integrator, frequency * step);
         let longer = longer.map_or_else(String::new, |share| format!(", {:.1} % too long", 100.0 * share));
         format!("{} ({} s{longer})", index + 1, Short(TAU / frequency))
     };
     let listed: Vec<String> = frequencies.iter().enumerate().skip(first).map(one).collect();
     let needed = TAU / frequencies[frequencies.len() - 1] / STEPS_IN_A_PERIOD;
     Some(format!(
-        "structure.beam: the period in vacuo of mode {} is shorter than {STEPS_IN_A_PERIOD} communication steps of {} s, too \
-         coarse for the time integration; lower run.communication_step to {} s, or structure.beam.modes to {first}",
+        "{key} '{}': the period in vacuo of mode {} is shorter than {STEPS_IN_A_PERIOD} communication steps of {} s, too \
+         coarse for the time integration; lower run.communication_step to {} s, or {key}.modes to {first}",
+        member.name,
         listed.join(", "),
         Short(step),
         Short(needed)
@@ -51,8 +56,8 @@ fn elongation(integrator: &Integrator, step: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    const SCENE: &str = "title = 't'\n[run]\nend = 1.0\ncommunication_step = 0.001\n[structure.beam]\n\
-        support = 'clamped_free'\nmiddle = [0.0, 0.04]\nlength = 0.08\nthickness = 0.012\ndensity = 2500.0\n\
+    const SCENE: &str = "title = 't'\n[run]\nend = 1.0\ncommunication_step = 0.001\n[[body]]\nname = 'base'\n\
+        [[body.member]]\nname = 'plate'\nsupport = 'clamped_free'\nmiddle = [0.0, 0.04]\nlength = 0.08\nthickness = 0.012\ndensity = 2500.0\n\
         youngs_modulus = MODULUS\nmodes = 2\n";
 
     fn warnings(modulus: &str) -> Vec<String> {

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use components::{FluidComponent, StructureComponent};
+use components::{FluidComponent, Interface, StructureComponent};
 use plimsoll::direct::DirectParticipant;
 use plimsoll::fmu::FmuParticipant;
 use plimsoll::folder::{RunFolder, Wish};
@@ -23,9 +23,9 @@ const SCENE: &str = "title = 'small dam'\n[run]\nend = 0.02\ncommunication_step 
     [fluid]\nspacing = 0.01\nwater = [{ polygon = [[0,0],[0.1,0],[0.1,0.2],[0,0.2]] }]\n\
     wall = [{ points = [[0,0.5],[0,0],[0.4,0],[0.4,0.5]] }]\n\
     probe = [{ name = 'foot', point = [0.05, 0.01] }]\n\
-    [structure.beam]\nsupport = 'clamped_free'\nmiddle = [0.106, 0.05]\nlength = 0.1\nthickness = 0.012\n\
+    [[body]]\nname = 'base'\n[[body.member]]\nname = 'plate'\nsupport = 'clamped_free'\nmiddle = [0.106, 0.05]\nlength = 0.1\nthickness = 0.012\n\
     density = 2500.0\nyoungs_modulus = 1e6\nmodes = 2\n\
-    [[check]]\nname = 'tip'\nkind = 'series_maximum'\nvariable = 'structure.deflection.tip'\nunit = 'm'\n";
+    [[check]]\nname = 'tip'\nkind = 'series_maximum'\nvariable = 'structure.body.base.plate.deflection.tip'\nunit = 'm'\n";
 
 fn job(folder: &Path, name: &str) -> Job {
     let path = folder.join("small.toml");
@@ -61,7 +61,8 @@ fn execute(job: &Job, participants: Vec<Box<dyn Participant>>) -> String {
 fn fmus_and_components_in_process_give_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let (job, other) = (job(folder.path(), "fmus-run"), job(folder.path(), "in-process"));
-    plimsoll::pack::pack(&folder.path().join("fmus"), 3).unwrap();
+    let interface = Interface::of(&Scene::from_str(SCENE, "small.toml").unwrap());
+    plimsoll::pack::pack_interface(&folder.path().join("fmus"), &interface).unwrap();
     let log = Log::default();
     let fmus = job
         .case
@@ -70,14 +71,14 @@ fn fmus_and_components_in_process_give_the_same_bits() {
         .map(|fmu| -> Box<dyn Participant> { Box::new(FmuParticipant::load(&fmu.path, &fmu.name, &log).unwrap()) });
     let through_the_abi = execute(&job, fmus.collect());
     let direct: Vec<Box<dyn Participant>> = vec![
-        Box::new(DirectParticipant::<StructureComponent>::new("structure", 3, &log).unwrap()),
-        Box::new(DirectParticipant::<FluidComponent>::new("fluid", 3, &log).unwrap()),
+        Box::new(DirectParticipant::<StructureComponent>::new("structure", &interface, &log).unwrap()),
+        Box::new(DirectParticipant::<FluidComponent>::new("fluid", &interface, &log).unwrap()),
     ];
     let in_process = execute(&other, direct);
     assert!(through_the_abi == in_process);
     assert_eq!(in_process.lines().count(), 1 + 41);
-    assert!(in_process.lines().next().unwrap().contains("structure.deflection.tip [m]"));
-    for picture in ["field.png", "field.svg", "iterations.png", "structure-deflection-m.png"] {
+    assert!(in_process.lines().next().unwrap().contains("structure.body.base.plate.deflection.tip [m]"));
+    for picture in ["field.png", "field.svg", "iterations.png", "structure-body-base-plate-deflection-m.png"] {
         assert!(job.folder.join("plots").join(picture).is_file(), "{picture}");
     }
     assert!(std::fs::read_to_string(job.folder.join("summary.md")).unwrap().contains("![field](plots/field.png)"));
@@ -160,7 +161,10 @@ fn a_run_that_cannot_converge_is_refused_with_numbers_and_keeps_its_results() {
     let output = program().arg("run").arg(scene).arg("--out").arg(&out).args(settings).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
-    assert!(message.contains("step refused at t = ") && message.contains("fluid.load.q[1] residual"), "{message}");
+    assert!(
+        message.contains("step refused at t = ") && message.contains("fluid.body.base.plate.load.q1 residual"),
+        "{message}"
+    );
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     assert!(summary.contains("\"status\": \"failed\"") && summary.contains("step refused"));
     assert!(std::fs::read_to_string(out.join("results.csv")).unwrap().lines().count() >= 2);

@@ -24,8 +24,8 @@ fn piston((mass, spring): (f64, f64), method: &str, added_mass: bool) -> (Output
     run(
         "piston",
         &[
-            format!("structure.mass={mass}"),
-            format!("structure.springs=[0.0, {spring}, 0.0]"),
+            format!("body.0.mass={mass}"),
+            format!("body.0.springs=[0.0, {spring}, 0.0]"),
             format!("coupling.method={method}"),
             format!("coupling.added_mass={added_mass}"),
             "fluid.spacing=0.04".to_string(),

@@ -15,8 +15,10 @@ water = [{ polygon = [[0.0, 0.0], [0.3, 0.0], [0.3, 0.25], [0.0, 0.25]] }]
 wall = [{ points = [[0.0, 0.8], [0.0, 0.0], [1.0, 0.0], [1.0, 0.8]] }]
 probe = [{ name = "p", point = [0.999, 0.01] }]
 gauge = [{ name = "g", x = 0.5 }]
-[structure]
-[structure.beam]
+[[body]]
+name = "base"
+[[body.member]]
+name = "plate"
 support = "clamped_free"
 middle = [0.6, 0.06]
 length = 0.12
@@ -31,8 +33,8 @@ variable = "fluid.front.x"
 "#;
 
 const CASE: &str = "[run]\nend = 0.02\ncommunication_step = 0.01\n[[fmu]]\nname = 'tank'\npath = 'fluid.fmu'\n\
-    [fmu.parameters]\nscene = 'hydrostatic'\nparticle_spacing = 0.1\n[[fmu]]\nname = 'plate'\npath = 'structure.fmu'\n\
-    [[connection]]\nfrom = 'tank.load.fx'\nto = 'plate.load.fx'\n";
+    [fmu.parameters]\nscene = 'dam_break_plate'\nparticle_spacing = 0.03\n[[fmu]]\nname = 'plate'\npath = 'structure.fmu'\n\
+    [[connection]]\nfrom = 'tank.body.base.load.fx'\nto = 'plate.body.base.load.fx'\n";
 
 /// Words that only a programmer knows, or none at all.
 const FOREIGN: [&str; 18] = [
@@ -98,11 +100,11 @@ fn what_a_scene_cannot_be_has_file_line_and_key() {
         ("gauge = [{ name = \"g\", x = 0.5 }]", "gauge = [{ name = \"g\", x = inf }]", "fluid.gauge[0].x = inf"),
         ("point = [0.999, 0.01]", "point = [0.999]", "fluid.probe[0].point: got a list of 1, expected a list of 2"),
         ("wall = [{ points", "walls = [{ points", "unknown key `walls`"),
-        ("support = \"clamped_free\"", "support = \"clamped\"", "structure.beam.support: unknown word `clamped`"),
-        ("thickness = 0.024", "thickness = 0.12", "structure.beam.thickness = 0.12: expected less than the length"),
-        ("modes = 2", "modes = 1.5", "structure.beam.modes: got 1.5, expected a whole number"),
-        ("modes = 2", "modes = 2\ndamping = [2.3456789012]", "structure.beam.damping[0] = 2.34568"),
-        ("modes = 2", "modes = 2\ndamping = [0.0, 0.0, 0.0]", "length of structure.beam.damping = 3"),
+        ("support = \"clamped_free\"", "support = \"clamped\"", "body[0].member[0].support: unknown word `clamped`"),
+        ("thickness = 0.024", "thickness = 0.12", "body[0].member[0].thickness = 0.12: expected less than the length"),
+        ("modes = 2", "modes = 1.5", "body[0].member[0].modes: got 1.5, expected a whole number"),
+        ("modes = 2", "modes = 2\ndamping = [2.3456789012]", "body[0].member[0].damping[0] = 2.34568"),
+        ("modes = 2", "modes = 2\ndamping = [0.0, 0.0, 0.0]", "length of body[0].member[0].damping = 3"),
         ("kind = \"series_maximum\"", "kind = \"maximum\"", "check[0].kind: unknown word `maximum`"),
         ("kind = \"series_maximum\"", "kind = \"series_maximum\"\nlimit = -1", "check[0].limit = -1"),
     ];
@@ -140,10 +142,10 @@ fn a_set_up_that_cannot_be_is_refused_by_check_as_by_run() {
     std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
     for set in [
         "fluid.water.0.polygon=[[0.7,0.1],[1.51,0.1],[1.51,0.4],[0.7,0.4]]",
-        "structure.beam.middle=[1.4,0.06]",
+        "body.0.member.0.middle=[1.4,0.06]",
         "fluid.wall.0.points=[[0.0,0.8],[0.0,0.0],[1.0,0.0],[1.0000000001,0.0],[1.0,0.8]]",
         "gravity=[1.0000000001,-9.81]",
-        "structure.wall=[{points=[[0.1,0.3],[0.1,0.3],[0.2,0.3]]}]",
+        "body.0.wall=[{points=[[0.1,0.3],[0.1,0.3],[0.2,0.3]]}]",
     ] {
         let checked = refused(&["check", "scene.toml", "--set", set], folder.path());
         let run = refused(&["run", "scene.toml", "--out", "out", "--set", set], folder.path());
@@ -155,22 +157,30 @@ fn a_set_up_that_cannot_be_is_refused_by_check_as_by_run() {
 #[test]
 fn a_case_is_checked_down_to_its_fmus() {
     let folder = tempfile::tempdir().unwrap();
-    plimsoll::pack::pack(folder.path(), 3).unwrap();
+    plimsoll::pack::pack(folder.path()).unwrap();
     let changes: [(&str, &str, &str); 11] = [
         (
-            "particle_spacing = 0.1",
-            "particle_spacin = 0.1",
+            "particle_spacing = 0.03",
+            "particle_spacin = 0.03",
             "fmu.0.parameters.particle_spacin: tank: there is no variable",
         ),
-        ("particle_spacing = 0.1", "particle_spacing = 'wide'", "takes a number, got 'wide'"),
-        ("particle_spacing = 0.1", "particle_spacing = -0.019999999999999962", "= -0.02: expected at least 0, as its"),
-        ("particle_spacing = 0.1", "threads = 5000", "= 5000: expected 0 to 1024, as its description declares"),
-        ("from = 'tank.load.fx'", "from = 'tank.load.f'", "connection.0: tank: there is no variable 'load.f'"),
-        ("from = 'tank.load.fx'", "from = 'tan.load.fx'", "there is no participant 'tan'; known: tank, plate"),
-        ("from = 'tank.load.fx'", "from = 'tank.load.mz'", "the units differ"),
-        ("from = 'tank.load.fx'", "from = 'tank.particles.count'", "expected the role 'output' and a number"),
-        ("to = 'plate.load.fx'", "to = 'plate.motion.x'", "expected the role 'input'"),
-        ("scene = 'hydrostatic'", "scene = 'hydrostati'", "'hydrostati' not found"),
+        ("particle_spacing = 0.03", "particle_spacing = 'wide'", "takes a number, got 'wide'"),
+        ("particle_spacing = 0.03", "particle_spacing = -0.019999999999999962", "= -0.02: expected at least 0, as its"),
+        ("particle_spacing = 0.03", "threads = 5000", "= 5000: expected 0 to 1024, as its description declares"),
+        (
+            "from = 'tank.body.base.load.fx'",
+            "from = 'tank.body.base.load.f'",
+            "connection.0: tank: there is no variable 'body.base.load.f'",
+        ),
+        (
+            "from = 'tank.body.base.load.fx'",
+            "from = 'tan.body.base.load.fx'",
+            "there is no participant 'tan'; known: tank, plate",
+        ),
+        ("from = 'tank.body.base.load.fx'", "from = 'tank.body.base.load.mz'", "the units differ"),
+        ("from = 'tank.body.base.load.fx'", "from = 'tank.particles.count'", "expected the role 'output' and a number"),
+        ("to = 'plate.body.base.load.fx'", "to = 'plate.body.base.motion.x'", "expected the role 'input'"),
+        ("scene = 'dam_break_plate'", "scene = 'dam_break_plat'", "'dam_break_plat' not found"),
         ("path = 'fluid.fmu'", "path = 'none.fmu'", "none.fmu: cannot unpack the FMU: it cannot be opened"),
     ];
     for (from, to, words) in changes {
@@ -202,7 +212,7 @@ fn check_warns_of_what_run_warns_of() {
         text.lines().filter(|line| line.starts_with("warning: ")).map(str::to_string).collect()
     };
     for (set, words) in [
-        ("structure.beam.middle=[0.6,0.36]", "clamped end at [0.6, 0.3] m touches no wall"),
+        ("body.0.member.0.middle=[0.6,0.36]", "clamped end at [0.6, 0.3] m touches no wall"),
         ("check.0.variable=fluid.front.y", "this run has no variable 'fluid.front.y'"),
         ("check.0.kind=arrival_time", "check 'c': needs `level`"),
         (
@@ -229,7 +239,7 @@ fn a_deflection_beyond_its_limit_is_told_once() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
     // eta = phi q is positive along -x of the body, the outputs along +x.
-    let bent = "structure.beam.initial_modes=[0.01]; structure.beam.deflection_limit=0.001";
+    let bent = "body.0.member.0.initial_modes=[0.01]; body.0.member.0.deflection_limit=0.001";
     let message = refused(&["run", "scene.toml", "--quiet", "--out", "out", "--set", bent], folder.path());
     assert_eq!(message.matches("beam deflects by -").count(), 1, "{message}");
     assert_eq!(message.matches("beyond -0.00012 m").count(), 1, "{message}");

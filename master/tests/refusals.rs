@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const CASE: &str = "[run]\nend = 0.02\ncommunication_step = 0.01\n\
-    [[fmu]]\nname = 'tank'\npath = 'FMU'\nparameters = { scene = 'hydrostatic', particle_spacing = 0.1 }\n";
+    [[fmu]]\nname = 'tank'\npath = 'FMU'\nparameters = { scene = 'dam_break_plate', particle_spacing = 0.03 }\n";
 
 /// Standard error of a run that ends with code 1.
 fn refused(arguments: &[&str]) -> String {
@@ -38,7 +38,7 @@ fn case(changes: &[(&str, &str)], prepare: impl Fn(&Path)) -> String {
 }
 
 fn pack(folder: &Path) {
-    plimsoll::pack::pack(folder, 3).unwrap();
+    plimsoll::pack::pack(folder).unwrap();
 }
 
 #[test]
@@ -50,19 +50,20 @@ fn scenes_and_files_that_are_not_there() {
     );
     says(&refused(&["run", "nosuch"]), &["'nosuch'", "dam_break_front, dam_break_impact"]);
     says(&refused(&["run", "/no/such/scene.toml"]), &["'/no/such/scene.toml' is neither a file"]);
-    let many = "fluid.probe=[{ name = \"p\", from = [0.0, 0.0], to = [0.0, 0.2], count = 17 }]";
-    says(&refused(&["check", "hydrostatic", "--set", many]), &["17", "16", "fluid.probe"]);
+    let many = "fluid.probe=[{ name = \"p\", from = [0.0, 0.0], to = [0.0, 0.2], count = 1001 }]";
+    says(&refused(&["check", "hydrostatic", "--set", many]), &["fluid.probe[0].count = 1001", "1 to 1000"]);
     says(&refused(&["check", "scenes/hydrostatc"]), &["scenes/hydrostatc", "did you mean"]);
     says(&refused(&["run", "LICENSE-MIT"]), &["LICENSE-MIT, line 1"]);
     says(&refused(&["check", "hydrostatic", "--set", "fluid.spacing"]), &["'fluid.spacing'", "key.path=value"]);
-    says(&refused(&["pack", "--modes", "9"]), &["--modes 9", "0 to 8"]);
+    says(&refused(&["pack", "nosuch"]), &["'nosuch' is neither a file nor a scene"]);
+    says(&refused(&["pack", "--set", "fluid.spacing=0.1"]), &["--set changes a scene, and none is given"]);
 }
 
 #[test]
 fn geometry_that_cannot_be_is_refused_by_the_fmu_and_passed_on() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let outside = "structure.beam.middle=[0.7,0.04]";
+    let outside = "body.0.member.0.middle=[0.7,0.04]";
     let message = refused(&["run", "dam_break_plate", "--out", out.to_str().unwrap(), "--set", outside]);
     says(&message, &["fluid", "fmi2EnterInitializationMode", "the body's surface at (0.69", "outside the tank"]);
     assert!(!out.join("summary.json").exists(), "nothing ran");
@@ -103,7 +104,7 @@ fn archives_without_what_an_fmu_needs() {
     let with = |entries: &[(&str, &str)]| case(&[("FMU", "a.fmu")], |folder| archive(&folder.join("a.fmu"), entries));
     says(&with(&[("readme", "")]), &["a.fmu: modelDescription.xml", "No such file"]);
     says(&with(&[("modelDescription.xml", "<fmi")]), &["a.fmu: modelDescription.xml"]);
-    let description = std::fs::read_to_string(root().join("modelDescription/fluid.xml")).unwrap();
+    let description = std::fs::read_to_string(root().join("modelDescription/dam_break_plate/fluid.xml")).unwrap();
     let plain = ("modelDescription.xml", description.as_str());
     says(&with(&[plain]), &["a.fmu: no binary for", "binaries/"]);
     let binary = format!("binaries/{}/fluid.{}", plimsoll::fmu::PLATFORM, std::env::consts::DLL_EXTENSION);
@@ -114,16 +115,16 @@ fn archives_without_what_an_fmu_needs() {
 fn cases_that_do_not_fit_their_fmu() {
     let with = |from: &str, to: &str| case(&[("FMU", "fluid.fmu"), (from, to)], pack);
     says(&with("particle_spacing", "particle_spacin"), &["particle_spacin", "'particle_spacing'"]);
-    says(&with("= 0.1", "= -0.1"), &["particle_spacing", "-0.1"]);
-    says(&with("= 0.1", "= 'wide'"), &["particle_spacing", "wide"]);
+    says(&with("= 0.03", "= -0.03"), &["particle_spacing", "-0.03"]);
+    says(&with("= 0.03", "= 'wide'"), &["particle_spacing", "wide"]);
     // A whole number of any length is a number: it reaches the scene's own check.
-    says(&with("= 0.1", "= 210000000000"), &["fmi2EnterInitializationMode", "0.1 spacings = 21000000000 m"]);
+    says(&with("= 0.03", "= 210000000000"), &["fmi2EnterInitializationMode", "0.1 spacings = 21000000000 m"]);
     says(
-        &with("particle_spacing = 0.1", "threads = 210000000000"),
+        &with("particle_spacing = 0.03", "threads = 210000000000"),
         &["'threads' takes a whole number below 2^31", "210000000000"],
     );
-    says(&with("= 0.1", "= nan"), &["particle_spacing", "NaN"]);
-    says(&with("'hydrostatic'", "'hydrostati'"), &["hydrostati", "hydrostatic"]);
+    says(&with("= 0.03", "= nan"), &["particle_spacing", "NaN"]);
+    says(&with("'dam_break_plate'", "'dam_break_plat'"), &["dam_break_plat", "hydrostatic"]);
     let unknown = "[coupling]\nmaximum_iterations = 0\n[[fmu]]";
     says(&with("[[fmu]]", unknown), &["coupling.maximum_iterations = 0", "from 1 to 10000"]);
     says(&with("end = 0.02", "end = -1"), &["run.end = -1"]);

@@ -11,7 +11,7 @@ const SCENE: &str = "title = 'small dam'\n[run]\nend = 0.2\ncommunication_step =
     [output]\ninterval = 0.02\ncheckpoint_interval = 0.05\n\
     [fluid]\nspacing = 0.005\nwater = [{ polygon = [[0,0],[0.1,0],[0.1,0.2],[0,0.2]] }]\n\
     wall = [{ points = [[0,0.5],[0,0],[0.4,0],[0.4,0.5]] }]\n\
-    [structure.beam]\nsupport = 'clamped_free'\nmiddle = [0.206, 0.05]\nlength = 0.1\nthickness = 0.012\n\
+    [[body]]\nname = 'base'\n[[body.member]]\nname = 'plate'\nsupport = 'clamped_free'\nmiddle = [0.206, 0.05]\nlength = 0.1\nthickness = 0.012\n\
     density = 2500.0\nyoungs_modulus = 2e7\nmodes = 2\n";
 
 fn plimsoll(folder: &Path, arguments: &[&str]) -> Command {

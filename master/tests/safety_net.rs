@@ -35,11 +35,11 @@ const RUNS: &[[&str; 3]] = &[
         "fluid.spacing=0.012 run.end=0.2 output.record_interval=0.01 fluid.scheme=mps",
     ],
     ["cabin", "damaged_cabin", "fluid.spacing=0.04 run.end=0.3 output.record_interval=0.01"],
-    ["cabin_held", "damaged_cabin", "fluid.spacing=0.04 run.end=0.1 structure.free=[] output.record_interval=0.01"],
+    ["cabin_held", "damaged_cabin", "fluid.spacing=0.04 run.end=0.1 body.0.free=[] output.record_interval=0.01"],
     [
         "cabin_rigid",
         "damaged_cabin",
-        "fluid.spacing=0.04 run.end=0.2 structure.beam.modes=0 output.record_interval=0.01",
+        "fluid.spacing=0.04 run.end=0.2 body.0.member.0.modes=0 output.record_interval=0.01",
     ],
     ["box_rolls", "floating_box_roll_free", "fluid.spacing=0.05 run.end=0.3 output.record_interval=0.01"],
     ["piston_newton", "piston", "fluid.spacing=0.04 run.end=0.4 coupling.method=newton output.record_interval=0.02"],
@@ -47,12 +47,12 @@ const RUNS: &[[&str; 3]] = &[
     [
         "piston_aitken",
         "piston",
-        "fluid.spacing=0.04 run.end=0.2 coupling.method=aitken structure.mass=400.0 output.record_interval=0.02",
+        "fluid.spacing=0.04 run.end=0.2 coupling.method=aitken body.0.mass=400.0 output.record_interval=0.02",
     ],
     [
         "piston_constant",
         "piston",
-        "fluid.spacing=0.04 run.end=0.2 coupling.method=constant coupling.relaxation=0.5 structure.mass=400.0 output.record_interval=0.02",
+        "fluid.spacing=0.04 run.end=0.2 coupling.method=constant coupling.relaxation=0.5 body.0.mass=400.0 output.record_interval=0.02",
     ],
     [
         "piston_explicit",

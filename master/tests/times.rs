@@ -34,7 +34,7 @@ fn near(times: &[f64], expected: &[f64]) {
 #[test]
 fn a_case_has_its_rows_wherever_it_starts_and_ends_at_its_end() {
     let folder = tempfile::tempdir().unwrap();
-    plimsoll::pack::pack(folder.path(), 3).unwrap();
+    plimsoll::pack::pack(folder.path()).unwrap();
     for (start, interval) in [(-0.5_f64, 0.09), (0.0, 0.09), (-0.5, 0.0)] {
         let path = folder.path().join("case.toml");
         let text = CASE.replace("START", &format!("{start:?}")).replace("INTERVAL", &interval.to_string());

@@ -48,7 +48,7 @@ fn a_limit_that_is_missed_has_its_exit_code_and_its_line() {
     let text = std::fs::read_to_string(Path::new(SCENES).join("piston.toml")).unwrap();
     let heavy = folder.path().join("heavy.toml");
     // Piston and water, 220 kg, become a tenth heavier: the frequency falls by five per cent.
-    let set = "set = [\"structure.mass=42.0\", ";
+    let set = "set = [\"body.0.mass=42.0\", ";
     std::fs::write(&heavy, text.replace("set = [", set)).unwrap();
     let output = validate(&[heavy.to_str().unwrap()], folder.path());
     assert_eq!(output.status.code(), Some(3), "{}", String::from_utf8_lossy(&output.stderr));

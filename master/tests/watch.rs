@@ -77,8 +77,8 @@ fn a_check_outside_its_limit_ends_with_its_own_code() {
 fn energy_that_nothing_supplied_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let changes = [
-        "structure.mass=181.8181818",
-        "structure.springs=[0.0, 15073.57763, 0.0]",
+        "body.0.mass=181.8181818",
+        "body.0.springs=[0.0, 15073.57763, 0.0]",
         "coupling.method=explicit",
         "coupling.added_mass=false",
         "fluid.spacing=0.04",
@@ -98,7 +98,7 @@ fn energy_that_nothing_supplied_is_told() {
 #[test]
 fn a_period_near_the_step_is_warned_of_everywhere() {
     let folder = tempfile::tempdir().unwrap();
-    let stiff = ["structure.beam.youngs_modulus=1e9", "run.end=0.02", "output.interval=0", "check=[]"];
+    let stiff = ["body.0.member.0.youngs_modulus=1e9", "run.end=0.02", "output.interval=0", "check=[]"];
     let (output, summary) = run(folder.path(), "free_decay", &stiff);
     let warning = summary["warnings"][0].as_str().unwrap();
     assert!(warning.contains("mode 1 (0.005220 s, 11.1 % too long)"), "{warning}");
@@ -130,7 +130,7 @@ fn a_body_that_is_held_has_its_load_in_the_results() {
          spacing = 0.02\nthreads = 1\nwall = [{{ points = [[0,1],[0,0],[1.2,0],[1.2,1]] }}]\n\
          water = [{{ polygon = [[0,0],[0.6,0],{left},[0.6,0.8],[0,0.8]] }},\n\
          {{ polygon = [[1.2,0.8],[0.6,0.8],{right},[0.6,0],[1.2,0]] }}]\n\
-         [structure]\norigin = [0.6, 0.4]\nfree = []\nwall = [{{ points = [{body}], closed = true }}]\n"
+         [[body]]\nname = 'box'\norigin = [0.6, 0.4]\nfree = []\nwall = [{{ points = [{body}], closed = true }}]\n"
     );
     let path = folder.path().join("held.toml");
     std::fs::write(&path, scene).unwrap();
@@ -138,7 +138,7 @@ fn a_body_that_is_held_has_its_load_in_the_results() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let mut table = csv::Reader::from_path(folder.path().join("out/results.csv")).unwrap();
     let mut place = |name: &str| table.headers().unwrap().iter().position(|header| header.starts_with(name)).unwrap();
-    let places = [place("fluid.load.fx"), place("fluid.load.fy"), place("fluid.load.mz")];
+    let places = [place("fluid.body.box.load.fx"), place("fluid.body.box.load.fy"), place("fluid.body.box.load.mz")];
     let area = 16.0 * 0.01 * (std::f64::consts::TAU / 32.0).sin();
     let buoyancy = 9810.0 * area;
     for row in table.records().skip(1).map(Result::unwrap) {

@@ -343,7 +343,7 @@ def special_files(bench):
     bench.check("a device for a scene", refused(done, "/dev/zero", "device"))
     done = bench.run("run", bench.case("pipe-fmu", pipe), "--out", bench.new("pipe"))
     bench.check("a pipe for an FMU", refused(done, pipe, "named pipe"))
-    check = "\n[[check]]\nname = 'c'\nkind = 'curve_rms'\nvariable = 'plate.deflection.tip'\n"
+    check = "\n[[check]]\nname = 'c'\nkind = 'curve_rms'\nvariable = 'plate.body.base.plate.deflection.tip'\n"
     for what, file, word in (
         ("a pipe for a reference", "reference.csv", "named pipe"),
         ("a reference outside", "/etc/passwd", "lies outside the scene's folder"),

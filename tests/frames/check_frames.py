@@ -122,12 +122,12 @@ def check_particles(times, grids, scene, results, summary):
 
 
 def check_structure(times, grids, scene, results):
-    beam = scene["structure"]["beam"]
+    beam = scene["body"][0]["member"][0]
     foot = beam["middle"][1] - 0.5 * beam["length"]
     rest = grids[0].points
     tops = [it.points[:, 1].argmax() for it in grids]
     tips = np.array([it.fields["displacement"][top, 0] for it, top in zip(grids, tops)])
-    apart = np.abs(tips - np.interp(times, results["time"], results["structure.deflection.tip"])).max()
+    apart = np.abs(tips - np.interp(times, results["time"], results["structure.body.base.plate.deflection.tip"])).max()
     moved = [np.abs(it.points - it.fields["displacement"] - rest).max() for it in grids]
     lines = [it.kinds == [VTK_LINE] * (len(it.points) // 2) for it in grids]
     return {

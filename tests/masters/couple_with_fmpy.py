@@ -46,8 +46,8 @@ COMMON = {
 }
 METHODS = {
     # An exchange without iteration does not extrapolate unless it is asked to.
-    "explicit": {"structure.beam.density": 25000.0},
-    "constant": {"structure.beam.density": 25000.0, "coupling.predictor_order": ORDER},
+    "explicit": {"body.base.member.plate.density": 25000.0},
+    "constant": {"body.base.member.plate.density": 25000.0, "coupling.predictor_order": ORDER},
     "aitken": {"coupling.predictor_order": ORDER},
     "iqn_ils": {"coupling.predictor_order": ORDER},
 }
@@ -219,8 +219,8 @@ def predict(history, initial, time):
 
 def couple(folder, overrides, method, columns):
     """Rows of (time, values of the columns) as the bundled master would record them, and the passes."""
-    loads = [f"load.q[{i}]" for i in (1, 2, 3)]
-    motions = [f"motion.{order}q[{i}]" for i in (1, 2, 3) for order in ("", "v", "a")]
+    loads = [f"body.base.plate.load.q{i}" for i in (1, 2, 3)]
+    motions = [f"body.base.plate.motion.{order}q{i}" for i in (1, 2, 3) for order in ("", "v", "a")]
     structure = Participant(folder / "structure.fmu", "structure", SCENE, overrides)
     fluid = Participant(folder / "fluid.fmu", "fluid", SCENE, overrides)
     both = {"structure": structure, "fluid": fluid}
@@ -314,7 +314,7 @@ def compare(method, folder, plimsoll):
         error = np.max(np.abs(ours[:, index] - bundled[:, place])) / (size if size > 0 else 1.0)
         if not error <= worst:  # a difference that is no number counts as well
             worst, where = error, header[place]
-    tip = np.max(np.abs(ours[:, 1 + [name for _, _, name in columns].index("deflection.tip")]))
+    tip = np.max(np.abs(ours[:, 1 + [name for _, _, name in columns].index("body.base.plate.deflection.tip")]))
     moved = tip > 1e-5
     passed = worst <= TOLERANCE and moved
     steps = len(ours) - 1

@@ -74,12 +74,12 @@ def coupled_to_the_fluid(folder, program, stranger, fmus):
     scene = {"scene": str(ROOT / "scenes" / "piston.toml"), "scene_overrides": "fluid.threads=1"}
     parts = {"mass": (stranger, {}), "fluid": (fmus / "fluid.fmu", scene)}
     links = [
-        ("mass.place", "fluid.motion.y"),
-        ("mass.velocity", "fluid.motion.vy"),
-        ("mass.acceleration", "fluid.motion.ay"),
-        ("fluid.load.fy", "mass.load"),
-        ("fluid.load.ay", "mass.load_acceleration"),
-        ("fluid.added_mass[2,2]", "mass.added_mass"),
+        ("mass.place", "fluid.body.piston.motion.y"),
+        ("mass.velocity", "fluid.body.piston.motion.vy"),
+        ("mass.acceleration", "fluid.body.piston.motion.ay"),
+        ("fluid.body.piston.load.fy", "mass.load"),
+        ("fluid.body.piston.load.ay", "mass.load_acceleration"),
+        ("fluid.added_mass.piston.y.piston.y", "mass.added_mass"),
     ]
     for method in ["explicit", "auto"]:
         done, results = run(program, case(folder, f"piston_{method}", parts, links, method))

@@ -39,7 +39,7 @@ def with_fmpy(package, folder):
 
     # FMPy sets no text parameters: the FMUs start with the scene that they were packed for.
     result = simulate_ssp(str(package), stop_time=END, step_size=STEP)
-    (column,) = [name for name in result.dtype.names if name.endswith("structure.motion.y")]
+    (column,) = [name for name in result.dtype.names if name.endswith("structure.body.piston.motion.y")]
     return result["time"] + STEP, result[column]
 
 
@@ -52,7 +52,7 @@ def with_ecos(package, folder):
         for _ in range(round(END / STEP)):
             simulation.step()
             times.append(simulation.get_time())
-            places.append(simulation.get_real("structure::motion.y"))
+            places.append(simulation.get_real("structure::body.piston.motion.y"))
         simulation.terminate()
     return times, places
 
@@ -70,7 +70,7 @@ def with_libcosim(package, folder):
     for step in range(round(END / STEP)):
         execution.step()
         times.append((step + 1) * STEP)
-        places.append(observer.last_real_values(structure, [variables["motion.y"]])[0])
+        places.append(observer.last_real_values(structure, [variables["body.piston.motion.y"]])[0])
     return times, places
 
 
@@ -92,7 +92,7 @@ def make_container(package, folder):
         "link": [
             [f"{c.startElement}.fmu", c.startConnector, f"{c.endElement}.fmu", c.endConnector] for c in connections
         ],
-        "output": [["structure.fmu", "motion.y", "y"]],
+        "output": [["structure.fmu", "body.piston.motion.y", "y"]],
     }
     (resources / "plan.json").write_text(json.dumps(plan))
     tool = Path(sys.executable).parent / "fmucontainer"

@@ -3,14 +3,16 @@
 //! It shares no code with the bundled master, so that a mistake in one does not hide a mistake in the other.
 
 pub mod library;
+mod packed;
 mod slave;
 
 pub use library::Library;
+pub use packed::Packed;
 pub use slave::{Slave, State};
 
 use std::path::{Path, PathBuf};
 
-/// The folder with `scenes/`, as resource location.
+/// The folder with `scenes/`, as resource location: that of an FMU that was packed for no scene.
 pub fn resources() -> String {
     format!("file://{}", root().display())
 }

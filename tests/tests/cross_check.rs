@@ -1,7 +1,7 @@
 //! The descriptions and the packed FMUs in the hands of an importer that is not ours: the crate fmi-rs.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
-use components::{DEFAULT_MODES, FluidComponent, LOAD, POSITION, StructureComponent};
+use components::{DEFAULT_SCENE, FluidComponent, Interface, LOAD, POSITION, StructureComponent};
 use fmi_rs::fmi2::builder::FMU2Builder;
 use fmi_rs::fmi2::types::{fmi2False, fmi2Status};
 use fmi_rs::fmi2::{CS, FMU2};
@@ -16,6 +16,11 @@ const SCENE: [&str; 2] = [
     // A coarse column beside the plate: 325 particles.
     "fluid.spacing = 0.012; fluid.water.0.polygon = [[0,0],[0.286,0],[0.286,0.14],[0,0.14]]",
 ];
+
+/// Of FMUs that were packed for no scene.
+fn default_interface() -> Interface {
+    Interface::of_resources(None).unwrap()
+}
 
 /// Name, reference, causality, type and unit of a variable.
 type Row<'a> = (&'a str, u32, Causality, &'static str, Option<&'a str>);
@@ -42,11 +47,12 @@ fn read<'a>(description: &'a ModelDescription, variable: &'a ScalarVariable) -> 
     (&variable.name, variable.valueReference, variable.causality, variable.variableType.name(), unit)
 }
 
-fn is_read_as_written<C: Component>(file: &str) {
-    let description = ModelDescription::from_path(&root().join(file)).unwrap();
+fn is_read_as_written<C: Component<Interface = Interface>>(file: &str) {
+    let path = root().join("modelDescription").join(DEFAULT_SCENE).join(file);
+    let description = ModelDescription::from_path(&path).unwrap();
     let problems = description.validate();
     assert!(problems.is_empty(), "{problems:?}");
-    let model = C::model(DEFAULT_MODES);
+    let model = C::model(&default_interface());
     assert_eq!(description.guid, describe::guid(&model).unwrap().to_string());
     let rows: Vec<Row> = description.modelVariables.iter().map(|variable| read(&description, variable)).collect();
     let expected: Vec<Row> = model.variables.iter().map(|variable| written(&model, variable)).collect();
@@ -66,8 +72,8 @@ fn is_read_as_written<C: Component>(file: &str) {
 
 #[test]
 fn descriptions_are_valid_and_read_as_written() {
-    is_read_as_written::<FluidComponent>("modelDescription/fluid.xml");
-    is_read_as_written::<StructureComponent>("modelDescription/structure.xml");
+    is_read_as_written::<FluidComponent>("fluid.xml");
+    is_read_as_written::<StructureComponent>("structure.xml");
 }
 
 fn advance(slave: &FMU2<CS>, (reference, value): (u32, f64), steps: std::ops::Range<usize>) {
@@ -77,16 +83,16 @@ fn advance(slave: &FMU2<CS>, (reference, value): (u32, f64), steps: std::ops::Ra
     }
 }
 
-fn bits<C: Component>(slave: &FMU2<CS>) -> Vec<u64> {
-    let references = real_outputs(&C::model(DEFAULT_MODES));
+fn bits<C: Component<Interface = Interface>>(slave: &FMU2<CS>) -> Vec<u64> {
+    let references = real_outputs(&C::model(&default_interface()));
     let mut values = vec![f64::NAN; references.len()];
     assert_eq!(slave.getReal(&references, &mut values), fmi2Status::Ok);
     values.iter().map(|value| value.to_bits()).collect()
 }
 
 /// Outputs after this number of steps in process, without archive, C ABI or states.
-fn direct_bits<C: Component>((reference, value): (u32, f64), steps: usize) -> Vec<u64> {
-    let mut instance = Instance::<C>::new(DEFAULT_MODES, Some(root()), Logger::silent()).unwrap();
+fn direct_bits<C: Component<Interface = Interface>>((reference, value): (u32, f64), steps: usize) -> Vec<u64> {
+    let mut instance = Instance::<C>::new(default_interface(), Some(root()), Logger::silent()).unwrap();
     instance.set_string(&[1, 2], &SCENE).unwrap();
     instance.setup_experiment(None, 0.0, None).unwrap();
     instance.enter_initialization_mode().unwrap();
@@ -95,16 +101,16 @@ fn direct_bits<C: Component>((reference, value): (u32, f64), steps: usize) -> Ve
         instance.set_real(&[reference], &[value]).unwrap();
         instance.do_step(n as f64 * STEP, STEP).unwrap();
     }
-    let references = real_outputs(&C::model(DEFAULT_MODES));
+    let references = real_outputs(&C::model(&default_interface()));
     let mut values = vec![f64::NAN; references.len()];
     instance.get_real(&references, &mut values).unwrap();
     values.iter().map(|value| value.to_bits()).collect()
 }
 
 /// Six steps, with a detour taken back after the third; then the last three again in another instance.
-fn packed_and_in_process_the_bits_are_the_same<C: Component>(file: &str, input: (u32, f64)) {
+fn packed_and_in_process_the_bits_are_the_same<C: Component<Interface = Interface>>(file: &str, input: (u32, f64)) {
     let folder = tempfile::tempdir().unwrap();
-    plimsoll::pack::pack(folder.path(), DEFAULT_MODES).unwrap();
+    plimsoll::pack::pack(folder.path()).unwrap();
     let archive = FMU2Builder::new(&folder.path().join(file)).unwrap();
     let first = archive.instantiate_cs("first").unwrap();
     assert_eq!(first.setString(&[1, 2], &SCENE), fmi2Status::Ok);
@@ -151,7 +157,7 @@ fn fluid_beside_a_bent_plate() {
 #[test]
 fn messages_arrive_with_the_number_at_fault() {
     let folder = tempfile::tempdir().unwrap();
-    plimsoll::pack::pack(folder.path(), DEFAULT_MODES).unwrap();
+    plimsoll::pack::pack(folder.path()).unwrap();
     let mut archive = FMU2Builder::new(&folder.path().join("structure.fmu")).unwrap();
     let log = folder.path().join("log.txt");
     archive.logFile = Some(log.clone());

@@ -4,10 +4,10 @@
 //! `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
-use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
+use components::{FluidComponent, Interface, StructureComponent};
+use fmi2::Component;
 use fmi2::ffi::{self, Status, StatusKind};
-use fmi2::{Component, describe};
-use plimsoll_tests::{Library, Slave, resources, root};
+use plimsoll_tests::{Library, Packed, Slave, root};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use std::cell::Cell;
@@ -27,10 +27,10 @@ const WATER: &[(&str, &str)] = &[
 const BODIES: &[(&str, &str)] = &[
     ("free_decay", ""),
     ("floating_box_heave", ""),
-    ("damaged_cabin", "structure.integrator.rho_infinity=0.8"),
+    ("damaged_cabin", "integrator.rho_infinity=0.8"),
     ("hydrostatic", ""),
-    ("free_decay", "structure.beam.length=-1"),
-    ("free_decay", "structure.beam.density=1e300"),
+    ("free_decay", "body.0.member.0.length=-1"),
+    ("free_decay", "body.0.member.0.density=1e300"),
     ("/no/such/file.toml", "x"),
 ];
 /// How many of either are sound.
@@ -72,6 +72,7 @@ fn pick<T: Copy>(list: &[T], choice: u8) -> T {
 struct World<'a> {
     library: &'a Library,
     guid: String,
+    location: String,
     scenes: &'static [(&'static str, &'static str)],
     references: Vec<u32>,
     slave: Slave<'a>,
@@ -80,13 +81,17 @@ struct World<'a> {
 }
 
 impl<'a> World<'a> {
-    fn new<C: Component>(library: &'a Library, scenes: &'static [(&'static str, &'static str)]) -> Self {
-        let model = C::model(DEFAULT_MODES);
-        let guid = describe::guid(&model).unwrap().to_string();
+    fn new<C: Component<Interface = Interface>>(
+        library: &'a Library,
+        scenes: &'static [(&'static str, &'static str)],
+    ) -> Self {
+        let packed = Packed::of(&scenes.iter().map(|(scene, _)| *scene).collect::<Vec<_>>());
+        let (model, guid) = (C::model(&packed.interface), packed.guid::<C>());
         let mut references: Vec<u32> = model.variables.iter().map(|variable| variable.reference).collect();
         references.extend([0, 99, 4711, u32::MAX]);
-        let slave = Slave::new(library, &guid, Some(&resources())).unwrap_or_else(|why| panic!("{why:?}"));
-        Self { library, guid, scenes, references, slave, states: Vec::new(), bytes: Vec::new() }
+        let location = packed.location();
+        let slave = Slave::new(library, &guid, Some(&location)).unwrap_or_else(|why| panic!("{why:?}"));
+        Self { library, guid, location, scenes, references, slave, states: Vec::new(), bytes: Vec::new() }
     }
 
     fn choose(&self, number: usize) {
@@ -111,9 +116,8 @@ impl<'a> World<'a> {
     /// A new instance in the place of the old one, or a refusal with a message.
     fn instantiate(&mut self, a: u8, b: u8) {
         let guid = pick(&[self.guid.as_str(), self.guid.as_str(), "", "{}", "12345678-0000-0000-0000-000000000000"], a);
-        let packed = resources();
-        let location =
-            pick(&[Some(packed.as_str()), Some(&packed), None, Some(""), Some("https://host/x"), Some("file:")], b);
+        let packed = self.location.as_str();
+        let location = pick(&[Some(packed), Some(packed), None, Some(""), Some("https://host/x"), Some("file:")], b);
         match Slave::new(self.library, guid, location) {
             Ok(slave) => self.slave = slave,
             Err(messages) => assert!(!messages.is_empty(), "refused without a message"),
@@ -325,7 +329,11 @@ impl<'a> World<'a> {
 }
 
 /// Runs sequences of up to 40 calls; returns how many calls were carried out and how many were not.
-fn sequences<C: Component>(name: &str, scenes: &'static [(&'static str, &'static str)], cases: u32) -> [u64; 2] {
+fn sequences<C: Component<Interface = Interface>>(
+    name: &str,
+    scenes: &'static [(&'static str, &'static str)],
+    cases: u32,
+) -> [u64; 2] {
     let library = Library::load(name).unwrap();
     let counts = [Cell::new(0), Cell::new(0)];
     let calls = prop::collection::vec((0..KINDS, any::<u8>(), any::<u8>(), any::<u8>()), 1..40);

@@ -5,10 +5,10 @@
 //! sees wrong contents. `PLIMSOLL_FUZZ_FACTOR` multiplies the number of cases, `PLIMSOLL_FUZZ_SEED` picks others.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
-use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
+use components::{FluidComponent, Interface, LOAD, POSITION, StructureComponent};
+use fmi2::Component;
 use fmi2::ffi::{Status, StatusKind};
-use fmi2::{Component, describe};
-use plimsoll_tests::{Library, Slave, State, real_outputs, resources};
+use plimsoll_tests::{Library, Packed, Slave, State, real_outputs};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::TestRunner;
@@ -33,11 +33,15 @@ const WATER: &[Case] = &[
     ),
 ];
 const BODIES: &[Case] =
-    &[("free_decay", ""), ("floating_box_heave", ""), ("damaged_cabin", "structure.integrator.rho_infinity=0.8")];
+    &[("free_decay", ""), ("floating_box_heave", ""), ("damaged_cabin", "integrator.rho_infinity=0.8")];
 
-fn slave<'a, C: Component>(library: &'a Library, (scene, overrides): Case) -> Slave<'a> {
-    let guid = describe::guid(&C::model(DEFAULT_MODES)).unwrap().to_string();
-    let slave = Slave::new(library, &guid, Some(&resources())).unwrap_or_else(|why| panic!("{why:?}"));
+/// The scenes of both.
+const SCENES: &[&str] = &["hydrostatic", "dam_break_plate", "free_decay", "floating_box_heave", "damaged_cabin"];
+
+fn slave<'a, C: Component<Interface = Interface>>(library: &'a Library, (scene, overrides): Case) -> Slave<'a> {
+    let packed = Packed::of(SCENES);
+    let slave =
+        Slave::new(library, &packed.guid::<C>(), Some(&packed.location())).unwrap_or_else(|why| panic!("{why:?}"));
     assert_eq!(slave.set_text(1, scene), Status::OK);
     assert_eq!(slave.set_text(2, overrides), Status::OK);
     slave
@@ -56,8 +60,8 @@ fn collect(slave: &Slave, states: &mut Vec<Vec<u8>>) {
     for step in 0..4 {
         let wave = f64::from(step) - 1.5;
         // Loads and added mass are inputs of one of the two only.
-        slave.set_reals(&[103], &[1e-5 * wave]);
-        slave.set_reals(&[201, 220, 221, 500, 512], &[wave, 0.1, 0.2, 3.0, 4.0]);
+        slave.set_reals(&[POSITION + 3], &[1e-5 * wave]);
+        slave.set_reals(&[LOAD + 1, 5_000_000, 5_000_001, 100_000_000, 100_010_001], &[wave, 0.1, 0.2, 3.0, 4.0]);
         assert_eq!(slave.step(STEP * f64::from(step), STEP), Status::OK, "{:?}", slave.messages());
     }
     keep(states);
@@ -149,7 +153,13 @@ fn use_it(slave: &Slave, state: &State, outputs: &[u32]) -> Result<(), TestCaseE
 }
 
 /// Changes states until the cases are used up; returns how many were refused and how many were taken.
-fn damage<C: Component>(name: &str, other: &str, cases: u32, scenes: &[Case], sealed: bool) -> [u32; 2] {
+fn damage<C: Component<Interface = Interface>>(
+    name: &str,
+    other: &str,
+    cases: u32,
+    scenes: &[Case],
+    sealed: bool,
+) -> [u32; 2] {
     let library = Library::load(name).unwrap();
     let foreign = Library::load(other).unwrap();
     let mut states = Vec::new();
@@ -161,7 +171,7 @@ fn damage<C: Component>(name: &str, other: &str, cases: u32, scenes: &[Case], se
     } else {
         collect(&slave::<FluidComponent>(&foreign, WATER[0]), &mut donors);
     }
-    let outputs = real_outputs(&C::model(DEFAULT_MODES));
+    let outputs = real_outputs(&C::model(&Packed::of(SCENES).interface));
     let counts = [Cell::new(0), Cell::new(0)];
     let strategy = (any::<Index>(), any::<Index>(), changes());
     let outcome = TestRunner::new(fuzzing::config(cases)).run(&strategy, |(which, slave, changes)| {

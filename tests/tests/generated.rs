@@ -1,30 +1,43 @@
 //! The committed files that are generated from the tables, and what they must say.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
-use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
+use components::{DEFAULT_SCENE, FluidComponent, Interface, StructureComponent};
 use fmi2::{Causality, Component, describe};
-use plimsoll_tests::root;
+use plimsoll_tests::{Packed, root};
 use std::collections::{BTreeMap, BTreeSet};
 
 const HINT: &str = "is stale: run `cargo run -p components --example describe` and commit the result";
 
-fn fresh<C: Component>(xml: &str, readme: &str) {
-    let model = C::model(DEFAULT_MODES);
-    let committed = std::fs::read_to_string(root().join(xml)).unwrap();
-    assert!(committed == describe::xml(&model).unwrap(), "{xml} {HINT}");
+fn is_fresh<C: Component<Interface = Interface>>(file: &str, interface: &Interface) {
+    let committed = std::fs::read_to_string(root().join("modelDescription").join(file)).unwrap();
+    assert!(committed == describe::xml(&C::model(interface)).unwrap(), "{file} {HINT}");
+}
+
+fn has_fresh_table<C: Component<Interface = Interface>>(readme: &str) {
     let committed = std::fs::read_to_string(root().join(readme)).unwrap();
+    let model = C::model(&Interface::of_resources(None).unwrap());
     let expected = describe::with_table(&committed, &describe::markdown(&model)).unwrap();
     assert!(committed == expected, "{readme} {HINT}");
 }
 
-#[test]
-fn descriptions_and_tables_are_fresh() {
-    fresh::<FluidComponent>("modelDescription/fluid.xml", "fluid-fmu/README.md");
-    fresh::<StructureComponent>("modelDescription/structure.xml", "structure-fmu/README.md");
+fn of_scene(name: &str) -> Interface {
+    Packed::of(&[name]).interface
 }
 
-fn table<C: Component>(modes: usize) -> BTreeMap<String, (u32, Causality, String)> {
-    let model = C::model(modes);
+/// Of FMUs that were packed for no scene, whose variables are those of dam_break_plate, and of those for a cabin.
+#[test]
+fn descriptions_and_tables_are_fresh() {
+    assert_eq!(of_scene(DEFAULT_SCENE), Interface::of_resources(None).unwrap());
+    for scene in [DEFAULT_SCENE, "damaged_cabin"] {
+        is_fresh::<FluidComponent>(&format!("{scene}/fluid.xml"), &of_scene(scene));
+        is_fresh::<StructureComponent>(&format!("{scene}/structure.xml"), &of_scene(scene));
+    }
+    has_fresh_table::<FluidComponent>("fluid-fmu/README.md");
+    has_fresh_table::<StructureComponent>("structure-fmu/README.md");
+}
+
+fn table<C: Component<Interface = Interface>>(interface: &Interface) -> BTreeMap<String, (u32, Causality, String)> {
+    let model = C::model(interface);
     let rows = model.variables.iter().map(|variable| {
         let kind = match variable.access {
             fmi2::Access::Real { simple_type, .. } => simple_type.unwrap_or_default().to_string(),
@@ -40,10 +53,17 @@ fn table<C: Component>(modes: usize) -> BTreeMap<String, (u32, Causality, String
     table
 }
 
+/// No body, one without members, one with one member, and two bodies with members of other numbers of modes.
+fn interfaces() -> [Interface; 4] {
+    let scenes = ["hydrostatic", "piston", "damaged_cabin"];
+    let [first, second, third] = scenes.map(of_scene);
+    [first, second, third, Packed::of(&["damaged_cabin", "dam_break_plate"]).interface]
+}
+
 #[test]
 fn inputs_of_one_are_outputs_of_the_other_with_equal_types() {
-    for modes in 0..=8 {
-        let (fluid, structure) = (table::<FluidComponent>(modes), table::<StructureComponent>(modes));
+    for (interface, size) in interfaces().into_iter().zip([0, 3, 6, 12]) {
+        let (fluid, structure) = (table::<FluidComponent>(&interface), table::<StructureComponent>(&interface));
         let mut inputs = 0;
         for (here, there) in [(&fluid, &structure), (&structure, &fluid)] {
             for (name, (reference, causality, kind)) in here {
@@ -53,21 +73,33 @@ fn inputs_of_one_are_outputs_of_the_other_with_equal_types() {
                 }
             }
         }
-        let size = 3 + modes;
-        assert_eq!(inputs, 5 * size + size * size, "three families of motion, loads, their accelerations, added mass");
+        let half = size * (size + 1) / 2;
+        assert_eq!(inputs, 5 * size + half, "three families of motion, loads, their accelerations, added mass");
+    }
+}
+
+/// Letters, digits, underscores and dots, each part beginning with a letter or an underscore: what every importer takes.
+#[test]
+fn names_are_words_joined_by_dots() {
+    for interface in interfaces() {
+        let names =
+            table::<FluidComponent>(&interface).into_keys().chain(table::<StructureComponent>(&interface).into_keys());
+        for name in names {
+            let is_word = |part: &str| {
+                part.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
+                    && part.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+            };
+            assert!(name.split('.').all(is_word), "{name}");
+        }
     }
 }
 
 #[test]
-fn references_and_guids_by_number_of_modes() {
-    let largest = table::<FluidComponent>(8);
+fn another_interface_has_another_guid() {
     let mut guids = BTreeSet::new();
-    for modes in 0..=8 {
-        for (name, row) in table::<FluidComponent>(modes) {
-            assert_eq!(largest[&name], row, "{name}");
-        }
-        guids.insert(describe::guid(&FluidComponent::model(modes)).unwrap());
-        guids.insert(describe::guid(&StructureComponent::model(modes)).unwrap());
+    for interface in interfaces() {
+        guids.insert(describe::guid(&FluidComponent::model(&interface)).unwrap());
+        guids.insert(describe::guid(&StructureComponent::model(&interface)).unwrap());
     }
-    assert_eq!(guids.len(), 18);
+    assert_eq!(guids.len(), 8);
 }

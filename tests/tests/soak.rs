@@ -2,10 +2,10 @@
 //! particle is lost, no energy comes from nowhere.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
-use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
+use components::{FluidComponent, Interface, StructureComponent};
+use fmi2::Component;
 use fmi2::ffi::Status;
-use fmi2::{Component, describe};
-use plimsoll_tests::{Library, Slave, real_outputs, resources};
+use plimsoll_tests::{Library, Packed, Slave, real_outputs};
 
 /// Steps between two saved states.
 const BETWEEN: usize = 100;
@@ -17,9 +17,10 @@ const TOTAL_OF_WATER: u32 = 377;
 const COUNT: u32 = 381;
 const LOST: u32 = 382;
 
-fn slave<'a, C: Component>(library: &'a Library, scene: &str, overrides: &str) -> Slave<'a> {
-    let guid = describe::guid(&C::model(DEFAULT_MODES)).unwrap().to_string();
-    let slave = Slave::new(library, &guid, Some(&resources())).unwrap_or_else(|why| panic!("{why:?}"));
+fn slave<'a, C: Component<Interface = Interface>>(library: &'a Library, scene: &str, overrides: &str) -> Slave<'a> {
+    let packed = Packed::of(&[scene]);
+    let slave =
+        Slave::new(library, &packed.guid::<C>(), Some(&packed.location())).unwrap_or_else(|why| panic!("{why:?}"));
     assert_eq!(slave.set_text(1, scene), Status::OK);
     assert_eq!(slave.set_text(2, overrides), Status::OK);
     assert_eq!(slave.initialise(0.0), Status::OK, "{:?}", slave.messages());
@@ -39,8 +40,14 @@ fn there_and_back(slave: &Slave, time: f64, step: f64) {
 }
 
 /// Does `steps` steps and looks at the instance between them; memory after a tenth of them and at the end \[kB\].
-fn soak<C: Component>(slave: &Slave, steps: usize, step: f64, look: impl Fn(&Slave)) -> [u64; 2] {
-    let outputs = real_outputs(&C::model(DEFAULT_MODES));
+fn soak<C: Component<Interface = Interface>>(
+    slave: &Slave,
+    scene: &str,
+    steps: usize,
+    step: f64,
+    look: impl Fn(&Slave),
+) -> [u64; 2] {
+    let outputs = real_outputs(&C::model(&Packed::of(&[scene]).interface));
     let mut memory = [0; 2];
     for number in 0..steps {
         let time = step * number as f64;
@@ -64,8 +71,8 @@ fn does_not_grow(what: &str, steps: usize, [early, late]: [u64; 2]) {
 }
 
 /// Kinetic and potential energy of the structure \[J/m\].
-fn energy<C: Component>(slave: &Slave) -> f64 {
-    let model = C::model(DEFAULT_MODES);
+fn energy(slave: &Slave) -> f64 {
+    let model = StructureComponent::model(&Packed::of(&["free_decay"]).interface);
     let wanted = ["energy.kinetic", "energy.potential"];
     slave.reals(&plimsoll_tests::references(&model, |variable| wanted.contains(&variable.name.as_str()))).iter().sum()
 }
@@ -74,10 +81,10 @@ fn energy<C: Component>(slave: &Slave) -> f64 {
 fn plate(steps: usize) {
     let library = Library::load("structure_fmu").unwrap();
     let slave = slave::<StructureComponent>(&library, "free_decay", "");
-    let first = energy::<StructureComponent>(&slave);
+    let first = energy(&slave);
     assert!(first > 0.0);
-    let memory = soak::<StructureComponent>(&slave, steps, 0.001, |slave| {
-        let now = energy::<StructureComponent>(slave);
+    let memory = soak::<StructureComponent>(&slave, "free_decay", steps, 0.001, |slave| {
+        let now = energy(slave);
         assert!((now / first - 1.0).abs() < 1e-6, "{first} J/m at the start, {now} J/m now");
     });
     does_not_grow("structure", steps, memory);
@@ -91,7 +98,7 @@ fn tank(steps: usize) {
     let (count, first) = (slave.integer(COUNT), slave.reals(&[TOTAL_OF_WATER])[0]);
     let moving = slave.reals(&[KINETIC_OF_WATER])[0];
     assert!((80..=120).contains(&count) && moving > 10.0, "{count} particles, {moving} J/m");
-    let memory = soak::<FluidComponent>(&slave, steps, 0.005, |slave| {
+    let memory = soak::<FluidComponent>(&slave, "hydrostatic", steps, 0.005, |slave| {
         assert_eq!((slave.integer(COUNT), slave.integer(LOST)), (count, 0));
         let now = slave.reals(&[TOTAL_OF_WATER])[0];
         assert!(now <= first + 0.01 * moving, "{first} J/m at the start, {now} J/m now");

@@ -1,23 +1,26 @@
 //! Saved states through the C ABI: same bits after a restore, in another instance, in another process.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
-use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
+use components::{ACCELERATION, FluidComponent, Interface, LOAD, POSITION, StructureComponent, VELOCITY};
 use fmi2::ffi::Status;
-use fmi2::{Component, Instance, Logger, describe};
-use plimsoll_tests::{Library, Slave, real_outputs, resources, root};
+use fmi2::{Component, Instance, Logger};
+use plimsoll_tests::{Library, Packed, Slave, real_outputs};
 use std::process::Command;
 
 const STEP: f64 = 0.000_5;
-const POSITION_Q1: u32 = 103;
-const VELOCITY_Q1: u32 = 123;
-const ACCELERATION_Q1: u32 = 143;
-const LOAD_Q1: u32 = 203;
+const POSITION_Q1: u32 = POSITION + 3;
+const VELOCITY_Q1: u32 = VELOCITY + 3;
+const ACCELERATION_Q1: u32 = ACCELERATION + 3;
+const LOAD_Q1: u32 = LOAD + 3;
+/// The scene of these tests, and one with other titles for each part.
+const SCENES: [&str; 3] = ["dam_break_plate", "hydrostatic", "free_decay"];
 /// The plate of dam_break_plate with a coarse column that touches it.
 const OVERRIDES: &str = "fluid.spacing = 0.012; fluid.water.0.polygon = [[0,0],[0.286,0],[0.286,0.14],[0,0.14]]";
 
-fn slave<'a, C: Component>(library: &'a Library) -> Slave<'a> {
-    let guid = describe::guid(&C::model(DEFAULT_MODES)).unwrap().to_string();
-    let slave = Slave::new(library, &guid, Some(&resources())).unwrap_or_else(|why| panic!("{why:?}"));
+fn slave<'a, C: Component<Interface = Interface>>(library: &'a Library) -> Slave<'a> {
+    let packed = Packed::of(&SCENES);
+    let slave =
+        Slave::new(library, &packed.guid::<C>(), Some(&packed.location())).unwrap_or_else(|why| panic!("{why:?}"));
     assert_eq!(slave.set_text(1, "dam_break_plate"), Status::OK);
     assert_eq!(slave.set_text(2, OVERRIDES), Status::OK);
     slave
@@ -33,7 +36,7 @@ fn inputs<C: 'static>(n: usize) -> (Vec<u32>, Vec<f64>) {
     }
 }
 
-fn advance<C: Component>(slave: &Slave, from: usize, to: usize) {
+fn advance<C: Component<Interface = Interface>>(slave: &Slave, from: usize, to: usize) {
     for n in from..to {
         let (references, values) = inputs::<C>(n);
         assert_eq!(slave.set_reals(&references, &values), Status::OK);
@@ -41,11 +44,11 @@ fn advance<C: Component>(slave: &Slave, from: usize, to: usize) {
     }
 }
 
-fn bits<C: Component>(slave: &Slave) -> Vec<u64> {
-    slave.reals(&real_outputs(&C::model(DEFAULT_MODES))).iter().map(|value| value.to_bits()).collect()
+fn bits<C: Component<Interface = Interface>>(slave: &Slave) -> Vec<u64> {
+    slave.reals(&real_outputs(&C::model(&Packed::of(&SCENES).interface))).iter().map(|value| value.to_bits()).collect()
 }
 
-fn repeats_give_the_same_bits<C: Component>(name: &str) {
+fn repeats_give_the_same_bits<C: Component<Interface = Interface>>(name: &str) {
     let library = Library::load(name).unwrap();
     let first = slave::<C>(&library);
     assert_eq!(first.initialise(0.0), Status::OK, "{:?}", first.messages());
@@ -115,7 +118,7 @@ fn foreign_and_damaged_bytes_are_refused() {
 
 #[test]
 fn states_of_another_scene_are_refused_with_both_names() {
-    fn refused<C: Component>(name: &str, other: &str, overrides: &str, titles: [&str; 2]) {
+    fn refused<C: Component<Interface = Interface>>(name: &str, other: &str, overrides: &str, titles: [&str; 2]) {
         let library = Library::load(name).unwrap();
         let first = slave::<C>(&library);
         assert_eq!(first.initialise(0.0), Status::OK, "{:?}", first.messages());
@@ -150,7 +153,8 @@ fn states_of_another_scene_are_refused_with_both_names() {
 #[test]
 fn a_state_goes_on_for_longer_and_on_other_threads() {
     let begun = |overrides: &str, stop: f64| {
-        let mut instance = Instance::<FluidComponent>::new(DEFAULT_MODES, Some(root()), Logger::silent()).unwrap();
+        let Packed { interface, folder } = Packed::of(&SCENES);
+        let mut instance = Instance::<FluidComponent>::new(interface, Some(folder), Logger::silent()).unwrap();
         instance.set_string(&[1, 2], &["dam_break_plate", &format!("{OVERRIDES}; {overrides}")]).unwrap();
         instance.setup_experiment(None, 0.0, Some(stop)).unwrap();
         instance.enter_initialization_mode().unwrap();
@@ -165,7 +169,7 @@ fn a_state_goes_on_for_longer_and_on_other_threads() {
         }
     };
     let bytes = |instance: &mut Instance<FluidComponent>| {
-        let references = real_outputs(&FluidComponent::model(DEFAULT_MODES));
+        let references = real_outputs(&FluidComponent::model(&Packed::of(&SCENES).interface));
         let mut values = vec![0.0; references.len()];
         instance.get_real(&references, &mut values).unwrap();
         values.iter().map(|value| value.to_bits()).collect::<Vec<_>>()
@@ -218,8 +222,9 @@ fn another_process_gives_the_same_bits() {
 }
 
 /// The same run in process, without the C ABI.
-fn direct_bits<C: Component>() -> Vec<u64> {
-    let mut instance = Instance::<C>::new(DEFAULT_MODES, Some(root()), Logger::silent()).unwrap();
+fn direct_bits<C: Component<Interface = Interface>>() -> Vec<u64> {
+    let Packed { interface, folder } = Packed::of(&SCENES);
+    let mut instance = Instance::<C>::new(interface, Some(folder), Logger::silent()).unwrap();
     instance.set_string(&[1, 2], &["dam_break_plate", OVERRIDES]).unwrap();
     instance.setup_experiment(None, 0.0, None).unwrap();
     instance.enter_initialization_mode().unwrap();
@@ -229,13 +234,13 @@ fn direct_bits<C: Component>() -> Vec<u64> {
         instance.set_real(&references, &values).unwrap();
         instance.do_step(n as f64 * STEP, STEP).unwrap();
     }
-    let references = real_outputs(&C::model(DEFAULT_MODES));
+    let references = real_outputs(&C::model(&Packed::of(&SCENES).interface));
     let mut values = vec![0.0; references.len()];
     instance.get_real(&references, &mut values).unwrap();
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-fn abi_bits<C: Component>(name: &str) -> Vec<u64> {
+fn abi_bits<C: Component<Interface = Interface>>(name: &str) -> Vec<u64> {
     let library = Library::load(name).unwrap();
     let slave = slave::<C>(&library);
     assert_eq!(slave.initialise(0.0), Status::OK, "{:?}", slave.messages());

@@ -1,34 +1,44 @@
-//! Writes the generated files: modelDescription/*.xml and the tables in the READMEs of the two FMUs.
+//! Writes the generated files: `modelDescription/SCENE/*.xml` for the scene of the FMUs that were packed for none and for
+//! another one, and the tables in the READMEs of the two FMUs.
 //!
-//! `cargo run -p components --example describe` from the root of the repository; `-- MODES FOLDER` writes the two XML
-//! files for another number of modes into a folder.
+//! `cargo run -p components --example describe` from the root of the repository; `-- SCENE.toml FOLDER` writes the XML files
+//! of another scene into a folder.
 
-use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
+use components::{DEFAULT_SCENE, FluidComponent, Interface, StructureComponent, find_scene};
 use fmi2::{Component, describe};
+use scene::Scene;
 use std::error::Error;
 use std::path::Path;
+
+/// Scenes of which the descriptions are committed.
+const EXAMPLES: [&str; 2] = [DEFAULT_SCENE, "damaged_cabin"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.as_slice() {
         [] => {
-            write::<FluidComponent>("modelDescription/fluid.xml", "fluid-fmu/README.md")?;
-            write::<StructureComponent>("modelDescription/structure.xml", "structure-fmu/README.md")
+            for name in EXAMPLES {
+                let interface = Interface::of(&find_scene(name, "", Some(Path::new(".")))?);
+                describe_in(&Path::new("modelDescription").join(name), &interface)?;
+            }
+            let default = Interface::of_resources(None)?;
+            write_table::<FluidComponent>(&default, "fluid-fmu/README.md")?;
+            write_table::<StructureComponent>(&default, "structure-fmu/README.md")
         }
-        [modes, folder] => {
-            let (modes, folder) = (modes.parse()?, Path::new(folder));
-            std::fs::write(folder.join("fluid.xml"), describe::xml(&FluidComponent::model(modes))?)?;
-            std::fs::write(folder.join("structure.xml"), describe::xml(&StructureComponent::model(modes))?)?;
-            Ok(())
-        }
-        _ => Err("expected no arguments, or the number of modes and a folder".into()),
+        [scene, folder] => describe_in(Path::new(folder), &Interface::of(&Scene::from_file(Path::new(scene))?)),
+        _ => Err("expected no arguments, or a scene file and a folder".into()),
     }
 }
 
-fn write<C: Component>(xml: &str, readme: &str) -> Result<(), Box<dyn Error>> {
-    let model = C::model(DEFAULT_MODES);
-    std::fs::write(xml, describe::xml(&model)?)?;
+fn describe_in(folder: &Path, interface: &Interface) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(folder.join("fluid.xml"), describe::xml(&FluidComponent::model(interface))?)?;
+    std::fs::write(folder.join("structure.xml"), describe::xml(&StructureComponent::model(interface))?)?;
+    Ok(())
+}
+
+fn write_table<C: Component<Interface = Interface>>(interface: &Interface, readme: &str) -> Result<(), Box<dyn Error>> {
     let text = std::fs::read_to_string(readme)?;
-    std::fs::write(readme, describe::with_table(&text, &describe::markdown(&model))?)?;
+    std::fs::write(readme, describe::with_table(&text, &describe::markdown(&C::model(interface)))?)?;
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! What the parts of a scene mean to the numerics.
 
 use crate::Error;
-use kinematics::{BeamModes, Body, BodySet, CoordinateLayout, Part};
+use kinematics::{BeamModes, Body, BodySet, Coordinate, CoordinateLayout, Part};
 use nalgebra::{Matrix2, Vector2};
-use scene::{Beam, Freedom, Point, Scene, Structure, Wall};
+use scene::{Freedom, Member, Point, Scene, Wall};
 
 fn vector(point: Point) -> Vector2<f64> {
     Vector2::new(point[0], point[1])
@@ -22,124 +22,131 @@ fn polyline(wall: &Wall) -> Vec<Vector2<f64>> {
     points
 }
 
-fn beam_modes(beam: &Beam) -> Result<BeamModes, Error> {
-    let support = match beam.support {
+fn beam_modes(member: &Member) -> Result<BeamModes, Error> {
+    let support = match member.support {
         scene::Support::FixedFixed => kinematics::Support::FixedFixed,
         scene::Support::ClampedFree => kinematics::Support::ClampedFree,
     };
-    Ok(BeamModes::new(support, beam.length, beam.line_density(), beam.modes)?)
+    Ok(BeamModes::new(support, member.length, member.line_density(), member.modes)?)
 }
 
-/// Angular frequencies of the modes of the beam in vacuo \[rad/s\]; none without a beam.
+/// Angular frequencies of the modes of a member in vacuo \[rad/s\].
 ///
 /// # Errors
 /// Modes that cannot be computed.
-pub fn beam_frequencies(scene: &Scene) -> Result<Vec<f64>, Error> {
-    let Some(beam) = scene.structure.as_ref().and_then(|structure| structure.beam.as_ref()) else {
-        return Ok(Vec::new());
-    };
-    let modes = beam_modes(beam)?;
-    Ok((0..beam.modes).map(|index| modes.frequency(index, beam.bending_stiffness())).collect())
+pub fn frequencies(member: &Member) -> Result<Vec<f64>, Error> {
+    let modes = beam_modes(member)?;
+    Ok((0..member.modes).map(|index| modes.frequency(index, member.bending_stiffness())).collect())
 }
 
-/// Modal coordinates at the start, one per mode \[m sqrt(kg/m)\].
+/// Modal coordinates at the start, one per mode of each member \[m sqrt(kg/m)\].
 pub fn initial_modes(scene: &Scene) -> Vec<f64> {
-    let beam = scene.structure.as_ref().and_then(|structure| structure.beam.as_ref());
-    let mut initial = beam.map_or_else(Vec::new, |beam| beam.initial_modes.clone());
-    initial.resize(scene.modes(), 0.0);
-    initial
+    let of_member = |member: &Member| {
+        let missing = member.modes - member.initial_modes.len();
+        member.initial_modes.iter().copied().chain(std::iter::repeat_n(0.0, missing)).collect::<Vec<_>>()
+    };
+    scene.members().flat_map(of_member).collect()
 }
 
 /// The moving bodies; none in a scene of the fluid alone.
 pub fn bodies(scene: &Scene) -> Result<BodySet, Error> {
-    let Some(structure) = &scene.structure else { return Ok(BodySet::default()) };
-    let member = |beam: &scene::Beam| -> Result<kinematics::Beam, Error> {
-        Ok(kinematics::Beam { middle: vector(beam.middle), thickness: beam.thickness, modes: beam_modes(beam)? })
+    let member = |member: &Member| -> Result<kinematics::Beam, Error> {
+        Ok(kinematics::Beam { middle: vector(member.middle), thickness: member.thickness, modes: beam_modes(member)? })
     };
-    let members = structure.beam.iter().map(member).collect::<Result<_, _>>()?;
-    let walls = structure.wall.iter().map(polyline).collect();
-    let body = Body { origin: vector(structure.origin), angle: structure.angle, walls, members };
-    body.validate()?;
-    Ok(body.into())
+    let body = |body: &scene::Body| -> Result<Body, Error> {
+        Ok(Body {
+            origin: vector(body.origin),
+            angle: body.angle,
+            walls: body.wall.iter().map(polyline).collect(),
+            members: body.member.iter().map(member).collect::<Result<_, _>>()?,
+        })
+    };
+    let bodies = BodySet::new(scene.body.iter().map(body).collect::<Result<_, _>>()?);
+    bodies.validate()?;
+    Ok(bodies)
 }
 
 /// Parameters of the structure's solver.
 pub fn structure(scene: &Scene) -> Result<structure::Parameters, Error> {
-    let missing = || Error::MissingPart { title: scene.title.clone(), part: "structure" };
-    let structure = scene.structure.as_ref().ok_or_else(missing)?;
+    if scene.body.is_empty() {
+        return Err(Error::MissingPart { title: scene.title.clone(), part: "[[body]]" });
+    }
     if scene.gravity[0] != 0.0 || scene.gravity[1] > 0.0 {
         return Err(Error::Value {
             key: "gravity".to_string(),
             got: digits::list(&scene.gravity),
-            expected: "[0, -g] in a scene with a structure: its weight acts along -Y".to_string(),
+            expected: "[0, -g] in a scene with a body: its weight acts along -Y".to_string(),
         });
     }
-    let member = |beam: &scene::Beam| -> Result<structure::BeamParameters, Error> {
-        let mut damping_ratios = beam.damping.clone();
-        damping_ratios.resize(beam.modes, 0.0);
-        Ok(structure::BeamParameters {
-            modes: beam_modes(beam)?,
-            middle: vector(beam.middle),
-            bending_stiffness: beam.bending_stiffness(),
-            deflection_limit: beam.deflection_limit() * beam.length,
-            damping_ratios,
+    let freedoms = [Freedom::X, Freedom::Y, Freedom::Theta];
+    let body = |body: &scene::Body| -> Result<structure::BodyParameters, Error> {
+        Ok(structure::BodyParameters {
+            rigid_mass: body.mass,
+            rigid_inertia: body.inertia,
+            angle: body.angle,
+            members: body.member.iter().map(beam).collect::<Result<_, _>>()?,
+            free: freedoms.map(|freedom| body.free.contains(&freedom)),
+            springs: body.springs,
+            contact: contact(scene, body),
         })
     };
-    let freedoms = [Freedom::X, Freedom::Y, Freedom::Theta];
-    let body = structure::BodyParameters {
-        rigid_mass: structure.mass,
-        rigid_inertia: structure.inertia,
-        angle: structure.angle,
-        members: structure.beam.iter().map(member).collect::<Result<_, _>>()?,
-        free: freedoms.map(|freedom| structure.free.contains(&freedom)),
-        springs: structure.springs,
-        contact: contact(scene, structure),
-    };
     Ok(structure::Parameters {
-        bodies: vec![body],
+        bodies: scene.body.iter().map(body).collect::<Result<_, _>>()?,
         gravity: -scene.gravity[1],
-        integrator: integrator(structure),
+        integrator: integrator(&scene.integrator),
         tolerance: 1e-11,
         maximum_iterations: 20,
     })
 }
 
-/// Depth behind a wall, over the depth under the cabin's weight, up to which a corner is pushed back.
+fn beam(member: &Member) -> Result<structure::BeamParameters, Error> {
+    let mut damping_ratios = member.damping.clone();
+    damping_ratios.resize(member.modes, 0.0);
+    Ok(structure::BeamParameters {
+        modes: beam_modes(member)?,
+        middle: vector(member.middle),
+        bending_stiffness: member.bending_stiffness(),
+        deflection_limit: member.deflection_limit() * member.length,
+        damping_ratios,
+    })
+}
+
+/// Depth behind a wall, over the depth under the body's weight, up to which a corner is pushed back.
 const CONTACT_REACH: f64 = 50.0;
 
-/// Contact of the corners of the rigid walls with the fixed walls.
-fn contact(scene: &Scene, structure: &Structure) -> Option<structure::ContactParameters> {
-    let given = structure.contact.as_ref()?;
-    let origin = vector(structure.origin);
+/// Contact of the corners of the rigid walls of a body with the fixed walls.
+fn contact(scene: &Scene, body: &scene::Body) -> Option<structure::ContactParameters> {
+    let given = body.contact.as_ref()?;
+    let origin = vector(body.origin);
     let fixed = scene.fluid.iter().flat_map(|fluid| &fluid.wall).map(polyline);
     let pairs = |line: Vec<Vector2<f64>>| line.windows(2).map(|pair| [pair[0] - origin, pair[1] - origin]).collect();
-    let beam = structure.beam.as_ref().map_or(0.0, |beam| beam.line_density() * beam.length);
+    let members: f64 = body.member.iter().map(|member| member.line_density() * member.length).sum();
     Some(structure::ContactParameters {
-        stiffness: (structure.mass + beam) * -scene.gravity[1] / given.depth,
+        stiffness: (body.mass + members) * -scene.gravity[1] / given.depth,
         damping: given.damping,
         reach: CONTACT_REACH * given.depth,
-        corners: structure.wall.iter().flat_map(|wall| vectors(&wall.points)).collect(),
+        corners: body.wall.iter().flat_map(|wall| vectors(&wall.points)).collect(),
         walls: fixed.flat_map(|line| -> Vec<_> { pairs(line) }).collect(),
     })
 }
 
-fn integrator(structure: &Structure) -> structure::Integrator {
-    match structure.integrator.rho_infinity {
+fn integrator(integrator: &scene::Integrator) -> structure::Integrator {
+    match integrator.rho_infinity {
         Some(rho_infinity) => structure::Integrator::GeneralisedAlpha { rho_infinity },
-        None => structure::Integrator::Newmark { beta: structure.integrator.beta, gamma: structure.integrator.gamma },
+        None => structure::Integrator::Newmark { beta: integrator.beta, gamma: integrator.gamma },
     }
 }
 
 /// Parameters and geometry of the fluid's solver.
 pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Error> {
-    let missing = || Error::MissingPart { title: scene.title.clone(), part: "fluid" };
+    let missing = || Error::MissingPart { title: scene.title.clone(), part: "[fluid]" };
     let part = scene.fluid.as_ref().ok_or_else(missing)?;
     let shaking = fluid::Shaking { amplitude: vector(part.shaking.amplitude), period: part.shaking.period };
-    if shaking.amplitude != Vector2::zeros() && scene.structure.is_some() {
+    if shaking.amplitude != Vector2::zeros() && !scene.body.is_empty() {
         return Err(Error::Value {
             key: "fluid.shaking.amplitude".to_string(),
             got: digits::list(&part.shaking.amplitude),
-            expected: "[0.0, 0.0] in a scene with a structure: only water would feel the shaking".to_string(),
+            expected: "[0.0, 0.0] in a scene with a body: only water would feel the shaking".to_string(),
         });
     }
     let bodies = bodies(scene)?;
@@ -148,8 +155,8 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         fixed_walls: part.wall.iter().map(polyline).collect(),
         active: active(scene, bodies.layout()),
         bodies,
-        probes: part.probe.iter().flat_map(probes).collect(),
-        regions: part.region.iter().map(region).collect(),
+        probes: part.probe.iter().flat_map(|probe| probes(scene, probe)).collect(),
+        regions: part.region.iter().map(|part| region(scene, part)).collect(),
         start: start(&part.start),
         jitter: fluid::Jitter { amplitude: part.start.jitter, seed: part.start.seed },
         gauges: part.gauge.iter().map(|gauge| gauge.x).collect(),
@@ -172,25 +179,32 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
 }
 
 /// Coordinates that answer to the load: the free ones of the rigid parts, and the modes.
-fn active(scene: &Scene, layout: &CoordinateLayout) -> Vec<usize> {
-    let free = |freedom| scene.structure.as_ref().is_some_and(|structure| structure.free.contains(&freedom));
-    let answers = |part| match part {
-        Part::X => free(Freedom::X),
-        Part::Y => free(Freedom::Y),
-        Part::Theta => free(Freedom::Theta),
-        Part::Mode { .. } => true,
-    };
+pub fn active(scene: &Scene, layout: &CoordinateLayout) -> Vec<usize> {
     let all = layout.coordinates().enumerate();
-    all.filter(|(_, coordinate)| answers(coordinate.part)).map(|(index, _)| index).collect()
+    let answers = |coordinate: &Coordinate| {
+        let free = |freedom| scene.body[coordinate.body].free.contains(&freedom);
+        match coordinate.part {
+            Part::X => free(Freedom::X),
+            Part::Y => free(Freedom::Y),
+            Part::Theta => free(Freedom::Theta),
+            Part::Mode { .. } => true,
+        }
+    };
+    all.filter(|(_, coordinate)| answers(coordinate)).map(|(index, _)| index).collect()
 }
 
-fn probes(probe: &scene::Probe) -> impl Iterator<Item = fluid::Probe> {
-    let on_body = probe.on_body.then_some(0);
+/// Index of the body that an instrument is on.
+fn carrier(scene: &Scene, name: Option<&String>) -> Option<usize> {
+    scene.body.iter().position(|body| Some(&body.name) == name)
+}
+
+fn probes(scene: &Scene, probe: &scene::Probe) -> impl Iterator<Item = fluid::Probe> {
+    let on_body = carrier(scene, probe.on_body.as_ref());
     vectors(&probe.points()).into_iter().map(move |place| fluid::Probe { place, on_body })
 }
 
-fn region(region: &scene::Region) -> fluid::Region {
-    fluid::Region { polygon: vectors(&region.polygon), on_body: region.on_body.then_some(0) }
+fn region(scene: &Scene, region: &scene::Region) -> fluid::Region {
+    fluid::Region { polygon: vectors(&region.polygon), on_body: carrier(scene, region.on_body.as_ref()) }
 }
 
 fn damping(zone: &scene::DampingZone) -> fluid::DampingZone {
@@ -209,8 +223,8 @@ mod tests {
     const SCENE: &str = "title = 'box'\n[run]\nend = 1.0\ncommunication_step = 0.01\n[fluid]\nspacing = 0.01\n\
         water = [{ polygon = [[0,0],[1,0],[1,0.5],[0,0.5]] }]\nwall = [{ points = [[0,0],[1,0],[1,1]], closed = true }]\n\
         probe = [{ name = 'line', from = [0,0.1], to = [0,0.4], count = 3 }]\n\
-        [structure]\nfree = ['theta', 'y']\nmass = 2.0\ninertia = 3.0\nangle = 0.1\n\
-        [structure.beam]\nsupport = 'clamped_free'\nmiddle = [2.0, 0.0]\nlength = 0.1\nthickness = 0.012\n\
+        [[body]]\nname = 'cabin'\nfree = ['theta', 'y']\nmass = 2.0\ninertia = 3.0\nangle = 0.1\n\
+        [[body.member]]\nname = 'plate'\nsupport = 'clamped_free'\nmiddle = [2.0, 0.0]\nlength = 0.1\nthickness = 0.012\n\
         density = 2500\nyoungs_modulus = 1e6\npoisson_ratio = 0.3\nmodes = 3\ndamping = [0.01]\ninitial_modes = [0.5]\n";
 
     fn scene(text: &str) -> Scene {
@@ -241,7 +255,7 @@ mod tests {
 
     #[test]
     fn water_starts_in_motion_and_is_forced() {
-        let text = &SCENE[..SCENE.find("[structure]").unwrap()];
+        let text = &SCENE[..SCENE.find("[[body]]").unwrap()];
         let forced = format!(
             "{text}attraction = 4.0\ngauge = [{{ name = 'g', x = 0.3 }}]\nstart = {{ velocity = [1.0, 2.0], \
              gradient = [[0.0, -3.0], [5.0, 0.0]] }}\nshaking = {{ amplitude = [0.1, 0.0], period = 2.0 }}\n"
@@ -253,15 +267,15 @@ mod tests {
         // At t = 0 the force is 0.1 (2 pi / 2)^2 along X, besides gravity.
         let force = parameters.uniform_force(0.0) - Vector2::new(0.1 * std::f64::consts::PI.powi(2), -9.81);
         assert!(force.norm() < 1e-12, "{force:?}");
-        let shaken = SCENE.replace("[structure]\n", "shaking = { amplitude = [0.1, 0.0] }\n[structure]\n");
+        let shaken = SCENE.replace("[[body]]\n", "shaking = { amplitude = [0.1, 0.0] }\n[[body]]\n");
         assert!(fluid(&scene(&shaken)).unwrap_err().to_string().contains("fluid.shaking.amplitude = [0.1, 0]"));
     }
 
     #[test]
     fn water_alone_has_no_structure() {
-        let text = &SCENE[..SCENE.find("[structure]").unwrap()];
+        let text = &SCENE[..SCENE.find("[[body]]").unwrap()];
         assert_eq!(fluid(&scene(text)).unwrap().0.solve, fluid::SolveParameters::default());
-        assert!(structure(&scene(text)).unwrap_err().to_string().contains("[structure]"));
+        assert!(structure(&scene(text)).unwrap_err().to_string().contains("[[body]]"));
         let tilted = SCENE.replace("title = 'box'", "title = 'box'\ngravity = [1.0, -9.81]");
         assert!(structure(&scene(&tilted)).unwrap_err().to_string().contains("[1, -9.81]"));
     }

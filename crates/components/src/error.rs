@@ -25,24 +25,21 @@ pub enum Error {
     #[error(transparent)]
     Scene(#[from] scene::Error),
     /// The scene has no part for this component.
-    #[error("scene '{title}' has no [{part}]: choose another scene or add the table")]
+    #[error("scene '{title}' has no {part}: choose another scene or add the table")]
     MissingPart {
         /// Title of the scene.
         title: String,
         /// Missing table.
         part: &'static str,
     },
-    /// The scene asks for more than the interface carries.
-    #[error("{what}: the scene has {got}, the interface of this FMU carries {limit}{hint}")]
-    TooMany {
-        /// What there is too much of.
-        what: &'static str,
-        /// Number in the scene.
-        got: usize,
-        /// Number carried.
-        limit: usize,
-        /// What to change.
-        hint: &'static str,
+    /// The scene has a variable that the FMU has not.
+    #[error(
+        "the scene has '{name}', and this FMU has no such variable: it was packed for another scene; `plimsoll pack SCENE` packs \
+         one for this"
+    )]
+    NotInInterface {
+        /// Name of the variable.
+        name: String,
     },
     /// A value that this component cannot use.
     #[error("{key} = {}: expected {}", digits::rounded(got), digits::rounded(expected))]

@@ -4,26 +4,18 @@ mod instruments;
 mod runtime;
 mod table;
 
-use crate::interface::{COORDINATES, LOAD_ACCELERATION, MotionValues, coordinate, finite};
+use crate::interface::{LOAD_ACCELERATION, Matching, check_motion, coordinate, finite};
 use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
-use crate::{Error, LOAD, VELOCITY};
+use crate::{Error, Interface, LOAD, VELOCITY};
 use fluid::Observables;
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
-use kinematics::MAXIMUM_MODES;
+use kinematics::Motion;
 use runtime::Runtime;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
-use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Probe points that the interface carries.
-pub const PROBES: usize = 16;
-/// Level gauges that the interface carries.
-pub const GAUGES: usize = 8;
-/// Regions that the interface carries.
-pub const REGIONS: usize = 4;
 
 /// Parameters of the FMU; zeros and empty texts mean "as the scene says".
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -74,14 +66,15 @@ impl Clone for Progress {
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     parameters: Parameters,
-    motion: MotionValues,
+    /// Motion of the bodies at the end of the step that follows, as many coordinates as the interface has.
+    motion: Motion,
     progress: Option<Progress>,
 }
 
 impl Clone for State {
     fn clone(&self) -> Self {
         let Self { parameters, motion, progress } = self;
-        Self { parameters: parameters.clone(), motion: *motion, progress: progress.clone() }
+        Self { parameters: parameters.clone(), motion: motion.clone(), progress: progress.clone() }
     }
 
     /// Keeps the memory of the particles: states are saved and restored in every pass.
@@ -104,7 +97,7 @@ struct Seconds {
 
 /// The fluid as a component.
 pub struct FluidComponent {
-    modes: usize,
+    interface: Interface,
     resources: Option<PathBuf>,
     state: State,
     runtime: Option<Runtime>,
@@ -122,7 +115,7 @@ pub fn fluid_set_up(scene: &Scene) -> Result<(Vec<[f32; 2]>, Vec<String>), Error
     if scene.fluid.is_none() {
         return Ok((Vec::new(), Vec::new()));
     }
-    let runtime = Runtime::new(Arc::new(scene.clone()), MAXIMUM_MODES, &SceneParameters::default(), 0.0)?;
+    let runtime = Runtime::new(Arc::new(scene.clone()), &Interface::of(scene), &SceneParameters::default(), 0.0)?;
     let particles = runtime.solver.initial_state().positions.iter().map(frames::single).collect();
     Ok((particles, runtime.warnings))
 }
@@ -131,7 +124,7 @@ impl FluidComponent {
     fn resolve_scene(&self) -> Result<Scene, Error> {
         let parameters = &self.state.parameters;
         let mut scene = parameters.common.find_scene(self.resources.as_deref())?;
-        let missing = || Error::MissingPart { title: scene.title.clone(), part: "fluid" };
+        let missing = || Error::MissingPart { title: scene.title.clone(), part: "[fluid]" };
         if scene.fluid.is_none() {
             return Err(missing());
         }
@@ -149,10 +142,12 @@ impl FluidComponent {
 
     fn prepare(&mut self, start: f64) -> Result<(), Error> {
         let scene = Arc::new(self.resolve_scene()?);
-        let mut runtime = Runtime::new(Arc::clone(&scene), self.modes, &self.state.parameters.common, start)?;
+        let mut runtime = Runtime::new(Arc::clone(&scene), &self.interface, &self.state.parameters.common, start)?;
         let mut state = runtime.solver.initial_state();
         state.time = start;
-        state.motion.position.copy_from_slice(&self.state.motion.position[..state.motion.position.len()]);
+        for (own, of_scene) in runtime.matching.pairs() {
+            state.motion.position[of_scene] = self.state.motion.position[own];
+        }
         runtime.solver.begin(&mut state, runtime.workspace.get_mut())?;
         self.observed = OnceCell::new();
         self.state.progress = Some(Progress { scene, start, state, report: StepReport::default() });
@@ -169,22 +164,36 @@ impl FluidComponent {
         )
     }
 
+    /// Index in the scene of a coordinate of the interface, with the state of the water; none for one that the scene has not.
+    fn of_scene(&self, index: usize) -> Option<(usize, &fluid::State)> {
+        let (runtime, progress) = (self.runtime.as_ref()?, self.state.progress.as_ref()?);
+        Some((runtime.matching.coordinate(index)?, &progress.state))
+    }
+
     fn load(&self, index: usize) -> f64 {
-        let load = self.state.progress.as_ref().and_then(|progress| progress.state.load.get(index));
-        load.copied().unwrap_or(0.0)
+        self.of_scene(index).map_or(0.0, |(index, state)| state.load[index])
     }
 
     fn load_acceleration(&self, index: usize) -> f64 {
-        let acceleration = self.state.progress.as_ref().and_then(|progress| progress.state.acceleration.get(index));
-        acceleration.copied().unwrap_or(0.0)
+        self.of_scene(index).map_or(0.0, |(index, state)| state.acceleration[index])
     }
 
-    /// Entry of the added mass; the index is that of the largest interface.
     fn added_mass(&self, row: usize, column: usize) -> f64 {
-        let Some(progress) = &self.state.progress else { return 0.0 };
-        let size = progress.state.acceleration.len();
-        let inside = row < size && column < size;
-        if inside { progress.state.added_mass[row * size + column] } else { 0.0 }
+        let entry = self.of_scene(row).zip(self.of_scene(column));
+        entry.map_or(0.0, |((row, state), (column, _))| state.added_mass[row * state.acceleration.len() + column])
+    }
+
+    /// A figure of a place that the scene has; 0 for others and before initialisation.
+    fn figure_at(
+        &self,
+        matching: fn(&Matching) -> &[Option<usize>],
+        values: fn(&Observables) -> &[f64],
+        index: usize,
+    ) -> f64 {
+        let Some(of_scene) = self.runtime.as_ref().and_then(|runtime| matching(&runtime.matching)[index]) else {
+            return 0.0;
+        };
+        self.observables().and_then(|seen| values(seen).get(of_scene)).copied().unwrap_or(0.0)
     }
 }
 
@@ -205,20 +214,22 @@ impl HasSceneParameters for FluidComponent {
 impl Component for FluidComponent {
     type State = State;
 
-    fn variants() -> RangeInclusive<usize> {
-        0..=MAXIMUM_MODES
+    type Interface = Interface;
+
+    fn interface(resources: Option<&Path>) -> Result<Interface, Failure> {
+        Interface::of_resources(resources).map_err(|error| Failure::refused(error.to_string()))
     }
 
-    fn model(variant: usize) -> Model<Self> {
-        table::model(variant)
+    fn model(interface: &Interface) -> Model<Self> {
+        table::model(interface)
     }
 
-    fn new(setup: &Setup) -> Self {
-        debug_assert!(setup.variant + kinematics::RIGID <= COORDINATES);
+    fn new(setup: &Setup<Interface>) -> Self {
+        let motion = Motion::zeros(setup.interface.layout().size());
         Self {
-            modes: setup.variant,
+            interface: setup.interface.clone(),
             resources: setup.resources.clone(),
-            state: State { parameters: Parameters::default(), motion: MotionValues::default(), progress: None },
+            state: State { parameters: Parameters::default(), motion, progress: None },
             runtime: None,
             seconds: Seconds::default(),
             observed: OnceCell::new(),
@@ -242,7 +253,7 @@ impl Component for FluidComponent {
             return Err(not_initialised());
         };
         runtime.write_due(&progress.state, time, &mut self.seconds.output)?;
-        self.state.motion.write(&mut runtime.end);
+        runtime.take(&self.state.motion);
         progress.state.time = time;
         let report = runtime
             .solver
@@ -275,7 +286,7 @@ impl Component for FluidComponent {
     }
 
     fn check(&self, state: &State) -> Result<(), Failure> {
-        state.motion.check("motion")?;
+        check_motion("motion", &state.motion, self.state.motion.size())?;
         let Some(progress) = &state.progress else { return Ok(()) };
         let StepReport { suggested_step, duration, .. } = progress.report;
         finite("start, suggested step, duration", &[progress.start, suggested_step, duration])?;
@@ -285,7 +296,7 @@ impl Component for FluidComponent {
             Some(runtime) => runtime.solver.check_state(&progress.state),
             None => {
                 runtime::check_count(&progress.scene, &progress.state)?;
-                let set_up = runtime::solver(&progress.scene, self.modes).map_err(|error| refuse(&error))?;
+                let set_up = runtime::solver(&progress.scene).map_err(|error| refuse(&error))?;
                 set_up.solver.check_state(&progress.state)
             }
         };
@@ -310,7 +321,7 @@ impl Component for FluidComponent {
                 let kept = self.runtime.as_ref().filter(|runtime| runtime.fits(&progress.scene));
                 if kept.is_none() || !same_output {
                     let scene = Arc::clone(kept.map_or(&progress.scene, Runtime::scene));
-                    let runtime = Runtime::new(scene, self.modes, &parameters.common, progress.start);
+                    let runtime = Runtime::new(scene, &self.interface, &parameters.common, progress.start);
                     self.runtime = Some(runtime.map_err(|error| Failure::broken(error.to_string()))?);
                 }
             }
@@ -339,9 +350,10 @@ impl Component for FluidComponent {
             ));
         }
         // Within the step the water answers to the mean acceleration alone, and that follows from the end velocity.
+        let size = self.state.motion.size();
         let entry = |unknown: Reference, known: Reference| -> f64 {
-            let Some((VELOCITY, column)) = coordinate(known) else { return 0.0 };
-            match coordinate(unknown) {
+            let Some((VELOCITY, column)) = coordinate(known, size) else { return 0.0 };
+            match coordinate(unknown, size) {
                 Some((LOAD, row)) => -self.added_mass(row, column) / duration,
                 Some((LOAD_ACCELERATION, row)) if row == column => 1.0 / duration,
                 _ => 0.0,

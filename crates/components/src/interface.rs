@@ -1,184 +1,241 @@
-//! The variables through which fluid and structure meet. Names, references, units and order are the same at both ends;
-//! an input of one is an output of the other. References do not depend on the number of modes.
+//! Which variables the FMUs of a scene have, and what they are called. An input of one is an output of the other; names,
+//! references and units are the same at both ends.
+//!
+//! The names are those of the scene: `body.cabin.motion.x`, `body.cabin.bulkhead.load.q1`, `probe.P1.pressure`. This is the
+//! one place that makes them.
 
-use fmi2::{Failure, Reference, Variable};
-use kinematics::{MAXIMUM_MODES, Motion, RIGID};
+mod matching;
+mod rows;
+
+pub use matching::Matching;
+pub use rows::{ANSWER, LOADS, MOTIONS, added_masses, family};
+
+use crate::Error;
+use fmi2::{Failure, Reference};
+use kinematics::{Coordinate, CoordinateLayout, Part};
+use scene::{Scene, identifier};
 use serde::{Deserialize, Serialize};
 
-/// Reference of `motion.x`; y, theta and the modal coordinates follow.
-pub const POSITION: Reference = 100;
-/// Reference of `motion.vx`; the other rates follow.
-pub const VELOCITY: Reference = 120;
-/// Reference of `motion.ax`; the other second derivatives follow.
-pub const ACCELERATION: Reference = 140;
-/// Reference of `load.fx`; fy, mz and the modal loads follow.
-pub const LOAD: Reference = 200;
+/// Reference of the position of the first coordinate; the others follow in the order of [`CoordinateLayout`].
+pub const POSITION: Reference = 1_000_000;
+/// Reference of the rate of the first coordinate.
+pub const VELOCITY: Reference = 2_000_000;
+/// Reference of the second derivative of the first coordinate.
+pub const ACCELERATION: Reference = 3_000_000;
+/// Reference of the load on the first coordinate.
+pub const LOAD: Reference = 4_000_000;
+/// Reference of the first of the accelerations that the load belongs to.
+pub const LOAD_ACCELERATION: Reference = 5_000_000;
+/// Reference of the first pressure.
+pub const PROBE: Reference = 6_000_000;
+/// Reference of the first mass of water in a region.
+pub const REGION: Reference = 7_000_000;
+/// Reference of the first water level.
+pub const GAUGE: Reference = 8_000_000;
+/// Reference of the deflection of the middle of the first member; that of its tip follows, then those of the others.
+pub const DEFLECTION: Reference = 9_000_000;
+/// Reference of Young's modulus of the first member.
+pub const MODULUS: Reference = 10_000_000;
+/// Reference of the first entry of the added mass; entries of a row follow, rows are [`ROW`] apart.
+pub const ADDED_MASS: Reference = 100_000_000;
+/// Distance between the references of two rows of the added mass.
+pub const ROW: Reference = 10_000;
 
-/// Reference of `load.ax`; the other accelerations that the load belongs to follow.
-pub const LOAD_ACCELERATION: Reference = 220;
-/// Reference of `added_mass[1,1]`; entries of a row follow, rows are `COORDINATES` apart.
-pub const ADDED_MASS: Reference = 500;
+/// Resource of an FMU in which its interface stands; one without it has the interface of [`crate::DEFAULT_SCENE`].
+pub const INTERFACE_FILE: &str = "interface.toml";
 
-/// Coordinates of the largest interface.
-pub const COORDINATES: usize = RIGID + MAXIMUM_MODES;
-
-/// Motion as it stands in the variables: room for every mode, whatever the scene uses.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct MotionValues {
-    /// Coordinates.
-    pub position: [f64; COORDINATES],
-    /// Rates.
-    pub velocity: [f64; COORDINATES],
-    /// Second derivatives.
-    pub acceleration: [f64; COORDINATES],
+/// What of a scene decides the variables of its FMUs: words of its names, as [`identifier`] makes them.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Interface {
+    /// Pressure probes, point by point.
+    #[serde(default)]
+    pub probes: Vec<String>,
+    /// Regions.
+    #[serde(default)]
+    pub regions: Vec<String>,
+    /// Level gauges.
+    #[serde(default)]
+    pub gauges: Vec<String>,
+    /// Bodies.
+    #[serde(default)]
+    pub bodies: Vec<BodyNames>,
 }
 
-impl MotionValues {
-    /// The first coordinates, as many as `motion` has, into it.
-    pub fn write(&self, motion: &mut Motion) {
-        let size = motion.size();
-        motion.position.copy_from_slice(&self.position[..size]);
-        motion.velocity.copy_from_slice(&self.velocity[..size]);
-        motion.acceleration.copy_from_slice(&self.acceleration[..size]);
+/// A body of an interface.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyNames {
+    /// Its word.
+    pub name: String,
+    /// Its members.
+    #[serde(default)]
+    pub members: Vec<MemberNames>,
+}
+
+/// A member of an interface.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MemberNames {
+    /// Its word.
+    pub name: String,
+    /// Number of its modes.
+    pub modes: usize,
+}
+
+impl Interface {
+    /// The interface of a validated scene.
+    pub fn of(scene: &Scene) -> Self {
+        let fluid = || scene.fluid.iter();
+        let member = |member: &scene::Member| MemberNames { name: identifier(&member.name), modes: member.modes };
+        let body = |body: &scene::Body| BodyNames {
+            name: identifier(&body.name),
+            members: body.member.iter().map(member).collect(),
+        };
+        let labels = fluid().flat_map(|fluid| &fluid.probe).flat_map(scene::Probe::labels);
+        Self {
+            probes: labels.map(|label| identifier(&label)).collect(),
+            regions: fluid().flat_map(|fluid| &fluid.region).map(|region| identifier(&region.name)).collect(),
+            gauges: fluid().flat_map(|fluid| &fluid.gauge).map(|gauge| identifier(&gauge.name)).collect(),
+            bodies: scene.body.iter().map(body).collect(),
+        }
     }
 
-    /// Refuses values of which one is no finite number; `name` is used in messages.
-    pub fn check(&self, name: &str) -> Result<(), Failure> {
-        finite(&format!("{name}.position"), &self.position)?;
-        finite(&format!("{name}.velocity"), &self.velocity)?;
-        finite(&format!("{name}.acceleration"), &self.acceleration)
+    /// The interface of the FMU with these resources, a folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is not one of this program.
+    pub fn of_resources(resources: Option<&std::path::Path>) -> Result<Self, Error> {
+        let file = resources.map(|folder| folder.join(INTERFACE_FILE)).filter(|file| file.is_file());
+        match file {
+            Some(file) => Ok(scene::from_toml(&scene::read_text(&file)?, INTERFACE_FILE, &[])?),
+            None => Ok(Self::of(&crate::default_scene()?)),
+        }
     }
 
-    /// A motion with any number of coordinates; the rest is zero.
-    pub fn from_motion(motion: &Motion) -> Self {
-        let mut values = Self::default();
-        let size = motion.position.len();
-        values.position[..size].copy_from_slice(motion.position.as_slice());
-        values.velocity[..size].copy_from_slice(motion.velocity.as_slice());
-        values.acceleration[..size].copy_from_slice(motion.acceleration.as_slice());
-        values
+    /// The same as the text of [`INTERFACE_FILE`].
+    pub fn to_text(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
     }
+
+    /// Which coordinate is what.
+    pub fn layout(&self) -> CoordinateLayout {
+        let modes = |body: &BodyNames| body.members.iter().map(|member| member.modes).collect();
+        CoordinateLayout::new(self.bodies.iter().map(modes).collect())
+    }
+
+    /// Members of all bodies, each with the name of its body.
+    pub fn members(&self) -> impl Iterator<Item = (&BodyNames, &MemberNames)> {
+        self.bodies.iter().flat_map(|body| body.members.iter().map(move |member| (body, member)))
+    }
+
+    /// Names of the motion of a coordinate: itself, its rate, its second derivative.
+    pub fn motion(&self, coordinate: Coordinate) -> [String; 3] {
+        let (owner, ending) = (self.owner(coordinate), ending(coordinate.part));
+        ["", "v", "a"].map(|order| format!("{owner}.motion.{order}{ending}"))
+    }
+
+    /// Name of the load on a coordinate.
+    pub fn load(&self, coordinate: Coordinate) -> String {
+        let ending = match coordinate.part {
+            Part::X => "fx".to_string(),
+            Part::Y => "fy".to_string(),
+            Part::Theta => "mz".to_string(),
+            part @ Part::Mode { .. } => ending(part),
+        };
+        format!("{}.load.{ending}", self.owner(coordinate))
+    }
+
+    /// Name of the acceleration that the load on a coordinate belongs to.
+    pub fn load_acceleration(&self, coordinate: Coordinate) -> String {
+        format!("{}.load.a{}", self.owner(coordinate), ending(coordinate.part))
+    }
+
+    /// Name of the added mass between two coordinates.
+    pub fn added_mass(&self, row: Coordinate, column: Coordinate) -> String {
+        let word = |coordinate| {
+            let owner = self.owner(coordinate);
+            format!("{}.{}", owner.trim_start_matches("body."), ending(coordinate.part))
+        };
+        format!("added_mass.{}.{}", word(row), word(column))
+    }
+
+    /// Names of the deflections of a member: of its middle, of its end at +y.
+    pub fn deflections(body: &BodyNames, member: &MemberNames) -> [String; 2] {
+        ["middle", "tip"].map(|place| format!("body.{}.{}.deflection.{place}", body.name, member.name))
+    }
+
+    /// Name of the modulus of a member.
+    pub fn youngs_modulus(body: &BodyNames, member: &MemberNames) -> String {
+        format!("body.{}.{}.youngs_modulus", body.name, member.name)
+    }
+
+    /// Name of the pressure at a point.
+    pub fn pressure(probe: &str) -> String {
+        format!("probe.{probe}.pressure")
+    }
+
+    /// Name of the mass of water in a region.
+    pub fn mass(region: &str) -> String {
+        format!("region.{region}.mass")
+    }
+
+    /// Name of the level at a gauge.
+    pub fn level(gauge: &str) -> String {
+        format!("gauge.{gauge}.level")
+    }
+
+    /// The body of a coordinate, and its member if it is a mode.
+    fn owner(&self, coordinate: Coordinate) -> String {
+        let body = &self.bodies[coordinate.body];
+        match coordinate.part {
+            Part::Mode { member, .. } => format!("body.{}.{}", body.name, body.members[member].name),
+            _ => format!("body.{}", body.name),
+        }
+    }
+}
+
+/// A coordinate without its owner.
+fn ending(part: Part) -> String {
+    match part {
+        Part::X => "x".to_string(),
+        Part::Y => "y".to_string(),
+        Part::Theta => "theta".to_string(),
+        Part::Mode { mode, .. } => format!("q{}", mode + 1),
+    }
+}
+
+/// Which family a reference belongs to and which of `size` coordinates it is.
+pub fn coordinate(reference: Reference, size: usize) -> Option<(Reference, usize)> {
+    [POSITION, VELOCITY, ACCELERATION, LOAD, LOAD_ACCELERATION].into_iter().find_map(|family| {
+        let index = reference.checked_sub(family)? as usize;
+        (index < size).then_some((family, index))
+    })
 }
 
 /// Refuses numbers of a state of which one is not finite; `name` is used in messages.
 pub fn finite(name: &str, values: &[f64]) -> Result<(), Failure> {
     match values.iter().position(|value| !value.is_finite()) {
-        Some(index) => Err(Failure::refused(format!("{name}[{index}] = {}: expected a finite number", values[index]))),
         None => Ok(()),
+        Some(index) => Err(Failure::refused(format!("{name}[{index}] = {}: expected a finite number", values[index]))),
     }
 }
 
-/// Kind of the added mass between two coordinates.
-fn mass_type(row: usize, column: usize) -> &'static str {
-    let class = |index: usize| if index < 2 { 0 } else { (index - 1).min(2) };
-    match (class(row).min(class(column)), class(row).max(class(column))) {
-        (0, 0) => "Mass",
-        (0, 1) => "MassMoment",
-        (1, 1) => "Inertia",
-        (0, _) => "ModalMassRatio",
-        (1, _) => "ModalMassMoment",
-        _ => "ModalMass",
+/// Refuses a list of a state that has another length than its model; `what` is used in messages.
+pub fn length(what: &str, got: usize, expected: usize) -> Result<(), Failure> {
+    if got == expected {
+        return Ok(());
     }
+    Err(Failure::refused(format!("length of {what} = {got}: expected {expected}")))
 }
 
-/// Index of an entry of the added mass in a matrix of the largest interface.
-pub fn mass_index(row: usize, column: usize) -> usize {
-    row * COORDINATES + column
-}
-
-/// The accelerations that the load belongs to and the added mass, as outputs.
-pub fn answer_variables<C>(
-    modes: usize,
-    acceleration: fn(&C, usize) -> f64,
-    mass: fn(&C, usize) -> f64,
-) -> [Vec<Variable<C>>; 2] {
-    let size = RIGID + modes;
-    let masses = (0..size * size).map(|entry| {
-        let (row, column) = (entry / size, entry % size);
-        let index = mass_index(row, column);
-        let name = format!("added_mass[{},{}]", row + 1, column + 1);
-        let meaning = "added mass: load.* falls by it for a unit of mean acceleration beyond load.a*";
-        Variable::real(ADDED_MASS + index as Reference, name, meaning, mass_type(row, column), mass).at(index)
-    });
-    [family(&ANSWER, modes, acceleration), masses.collect()]
-}
-
-/// One family of the interface: first reference, names of the rigid coordinates, name of the modal ones, types and
-/// descriptions of x and y, theta, q.
-struct Family {
-    first: Reference,
-    rigid: [&'static str; RIGID],
-    modal: &'static str,
-    types: [&'static str; 3],
-    description: [&'static str; 2],
-}
-
-const FAMILIES: [Family; 4] = [
-    Family {
-        first: POSITION,
-        rigid: ["motion.x", "motion.y", "motion.theta"],
-        modal: "motion.q",
-        types: ["Displacement", "Rotation", "ModalCoordinate"],
-        description: ["coordinate", "of the body"],
-    },
-    Family {
-        first: VELOCITY,
-        rigid: ["motion.vx", "motion.vy", "motion.vtheta"],
-        modal: "motion.vq",
-        types: ["Velocity", "AngularVelocity", "ModalVelocity"],
-        description: ["rate of the coordinate", "of the body"],
-    },
-    Family {
-        first: ACCELERATION,
-        rigid: ["motion.ax", "motion.ay", "motion.atheta"],
-        modal: "motion.aq",
-        types: ["Acceleration", "AngularAcceleration", "ModalAcceleration"],
-        description: ["second derivative of the coordinate", "of the body"],
-    },
-    Family {
-        first: LOAD,
-        rigid: ["load.fx", "load.fy", "load.mz"],
-        modal: "load.q",
-        types: ["Force", "Moment", "ModalLoad"],
-        description: ["load of the fluid on the coordinate", "of the body, mean over the communication step"],
-    },
-];
-
-/// The accelerations that the load belongs to: the fluid alone has them.
-const ANSWER: Family = Family {
-    first: LOAD_ACCELERATION,
-    rigid: ["load.ax", "load.ay", "load.atheta"],
-    modal: "load.aq",
-    types: FAMILIES[2].types,
-    description: ["second derivative of the coordinate", "that load.* belongs to, mean over the communication step"],
-};
-
-/// Access functions of the four families, in the order position, velocity, acceleration, load.
-type Getters<C> = [fn(&C, usize) -> f64; 4];
-
-/// The variables of the interface as outputs; the caller turns some of them into inputs.
-pub fn variables<C>(modes: usize, get: Getters<C>) -> Vec<(Reference, Variable<C>)> {
-    let all = FAMILIES.iter().zip(get);
-    all.flat_map(|(of, get)| family(of, modes, get).into_iter().map(|variable| (of.first, variable))).collect()
-}
-
-/// The variables of one family as outputs.
-fn family<C>(family: &Family, modes: usize, get: fn(&C, usize) -> f64) -> Vec<Variable<C>> {
-    let variable = |index: usize| {
-        let (name, kind, coordinate) = match index.checked_sub(RIGID) {
-            None => (family.rigid[index].to_string(), family.types[index / 2], ["X", "Y", "theta"][index].to_string()),
-            Some(mode) => (format!("{}[{}]", family.modal, mode + 1), family.types[2], format!("q[{}]", mode + 1)),
-        };
-        let description = format!("{} {coordinate} {}", family.description[0], family.description[1]);
-        Variable::real(family.first + index as Reference, name, description, kind, get).at(index)
-    };
-    (0..RIGID + modes).map(variable).collect()
-}
-
-/// Which family a reference belongs to and which coordinate it is.
-pub fn coordinate(reference: Reference) -> Option<(Reference, usize)> {
-    FAMILIES.iter().chain([&ANSWER]).find_map(|family| {
-        let index = reference.checked_sub(family.first)? as usize;
-        (index < COORDINATES).then_some((family.first, index))
-    })
+/// Refuses a motion of another number of coordinates, or with a number that is not finite; `name` is used in messages.
+pub fn check_motion(name: &str, motion: &kinematics::Motion, size: usize) -> Result<(), Failure> {
+    for (part, values) in
+        [("position", &motion.position), ("velocity", &motion.velocity), ("acceleration", &motion.acceleration)]
+    {
+        length(&format!("{name}.{part}"), values.len(), size)?;
+        finite(&format!("{name}.{part}"), values.as_slice())?;
+    }
+    Ok(())
 }

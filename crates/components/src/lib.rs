@@ -15,11 +15,7 @@ mod scenes;
 mod structure_component;
 
 pub use error::Error;
-pub use fluid_component::{FluidComponent, GAUGES, PROBES, REGIONS, fluid_set_up};
-pub use interface::{ACCELERATION, LOAD, POSITION, VELOCITY};
-pub use kinematics::MAXIMUM_MODES;
-pub use scenes::{OWN_SCENE, find_scene};
+pub use fluid_component::{FluidComponent, fluid_set_up};
+pub use interface::{ACCELERATION, INTERFACE_FILE, Interface, LOAD, POSITION, VELOCITY};
+pub use scenes::{DEFAULT_SCENE, OWN_SCENE, default_scene, find_scene};
 pub use structure_component::{StructureComponent, structure_set_up};
-
-/// Modes with which the committed descriptions are packed.
-pub const DEFAULT_MODES: usize = 3;

@@ -15,7 +15,7 @@ pub const PICTURES: f64 = 4300.0;
 
 /// Memory of a run by particle \[bytes\]: water, its saved states, and, where frames are written, pictures of them.
 pub fn by_particle(scene: &Scene) -> f64 {
-    let water = if scene.structure.is_some() { COUPLED } else { ALONE };
+    let water = if !scene.body.is_empty() { COUPLED } else { ALONE };
     water + if scene.output.interval > 0.0 { PICTURES } else { 0.0 }
 }
 

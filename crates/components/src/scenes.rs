@@ -6,28 +6,39 @@ use std::path::{Path, PathBuf};
 
 /// Scene that an FMU was packed for, in its resources.
 pub const OWN_SCENE: &str = "scene.toml";
-/// Packed scene of an FMU that was packed for none.
-const DEFAULT_SCENE: &str = "dam_break_plate";
+/// Scene of an FMU that was packed for none.
+pub const DEFAULT_SCENE: &str = "dam_break_plate";
+const DEFAULT_TEXT: &str = include_str!("../../../scenes/dam_break_plate.toml");
+
+/// The scene of an FMU that was packed for none.
+///
+/// # Errors
+/// None that a test would not find: the scene is a part of the program.
+pub fn default_scene() -> Result<Scene, Error> {
+    Ok(Scene::from_str(DEFAULT_TEXT, DEFAULT_SCENE)?)
+}
 
 /// Reads the scene called `name`: a path to a scene file, or the name of a scene packed in `resources/scenes`. An empty
 /// name stands for the scene that the FMU was packed for, or else for dam_break_plate.
 /// `overrides` is a text of the form `key.path=value; key.path=value`.
 pub fn find_scene(name: &str, overrides: &str, resources: Option<&Path>) -> Result<Scene, Error> {
     let overrides = scene::parse_overrides(overrides)?;
-    let path = locate(name, resources)?;
-    Ok(Scene::from_file_with(&path, &overrides)?)
+    match locate(name, resources)? {
+        Some(path) => Ok(Scene::from_file_with(&path, &overrides)?),
+        None => Ok(Scene::with_overrides(DEFAULT_TEXT, DEFAULT_SCENE, &overrides)?),
+    }
 }
 
-fn locate(name: &str, resources: Option<&Path>) -> Result<PathBuf, Error> {
+/// The file of a scene; none for the one that is a part of the program.
+fn locate(name: &str, resources: Option<&Path>) -> Result<Option<PathBuf>, Error> {
     let not_found = |reason: String| Error::SceneNotFound { name: name.to_string(), reason };
     let own = resources.map(|resources| resources.join(OWN_SCENE)).filter(|path| path.is_file());
-    if let (true, Some(own)) = (name.trim().is_empty(), own) {
+    if name.trim().is_empty() {
         return Ok(own);
     }
-    let name = if name.trim().is_empty() { DEFAULT_SCENE } else { name };
     let path = Path::new(name);
     if path.is_file() {
-        return Ok(path.to_path_buf());
+        return Ok(Some(path.to_path_buf()));
     }
     let is_path = name.contains(['/', '\\']) || path.extension().is_some();
     if is_path {
@@ -43,7 +54,7 @@ fn locate(name: &str, resources: Option<&Path>) -> Result<PathBuf, Error> {
     let folder = resources.join("scenes");
     let packed = folder.join(format!("{name}.toml"));
     if packed.is_file() {
-        return Ok(packed);
+        return Ok(Some(packed));
     }
     let known = names(&folder);
     let known = if known.is_empty() { "none".to_string() } else { known.join(", ") };

@@ -1,21 +1,20 @@
-//! The structure: a rigid cabin with an elastic beam, driven by the load of a fluid.
+//! The structure: rigid bodies with flexible members, driven by the load of a fluid.
 
 mod check;
 mod runtime;
 mod table;
 
-use crate::interface::{COORDINATES, MotionValues, coordinate, mass_index};
+use crate::interface::{Matching, coordinate};
 use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
-use crate::{ACCELERATION, Error, LOAD, POSITION, VELOCITY, conversion};
+use crate::{ACCELERATION, Error, Interface, LOAD, POSITION, VELOCITY, conversion};
 use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use frames::{Frame, Line, Series};
-use kinematics::MAXIMUM_MODES;
+use kinematics::Motion;
 use nalgebra::{DMatrix, DVector};
 use runtime::Runtime;
-use scene::Scene;
+use scene::{Scene, identifier};
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use structure::AddedMass;
@@ -27,15 +26,17 @@ const FIELD: &str = "structure";
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Parameters {
     common: SceneParameters,
-    youngs_modulus: f64,
+    /// Of each member of the interface.
+    youngs_moduli: Vec<f64>,
 }
 
 /// Values of the outputs at a communication point.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Outputs {
-    motion: MotionValues,
-    middle: f64,
-    tip: f64,
+    /// As many coordinates as the interface has.
+    motion: Motion,
+    /// Of the middle and the tip of each member of the interface.
+    deflections: Vec<[f64; 2]>,
     kinetic: f64,
     potential: f64,
     momentum: [f64; 2],
@@ -66,9 +67,10 @@ struct Progress {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     parameters: Parameters,
-    load: [f64; COORDINATES],
-    load_acceleration: [f64; COORDINATES],
-    /// Added mass of the largest interface, row after row.
+    /// One for each coordinate of the interface, as the accelerations below.
+    load: Vec<f64>,
+    load_acceleration: Vec<f64>,
+    /// Row after row.
     added_mass: Vec<f64>,
     outputs: Outputs,
     progress: Option<Progress>,
@@ -76,7 +78,7 @@ pub struct State {
 
 /// The structure as a component.
 pub struct StructureComponent {
-    modes: usize,
+    interface: Interface,
     resources: Option<PathBuf>,
     state: State,
     runtime: Option<Runtime>,
@@ -90,54 +92,68 @@ pub struct StructureComponent {
 /// # Errors
 /// What a run would refuse before its first step.
 pub fn structure_set_up(scene: &Scene) -> Result<(usize, Vec<Line>), Error> {
-    let Some(structure) = &scene.structure else { return Ok((0, Vec::new())) };
-    let runtime = Runtime::new(Arc::new(scene.clone()), MAXIMUM_MODES, None)?;
+    if scene.body.is_empty() {
+        return Ok((0, Vec::new()));
+    }
+    let runtime = Runtime::new(Arc::new(scene.clone()), &Interface::of(scene), None)?;
     let frame = runtime.frame(&runtime.bodies.at_rest());
     let lines = frame.lines.iter().map(|ends| ends.map(|end| frame.points[end as usize])).collect();
-    Ok((structure.free.len() + scene.modes(), lines))
+    Ok((scene.body.iter().map(|body| body.free.len() + body.modes()).sum(), lines))
 }
 
 impl StructureComponent {
     fn resolve_scene(&self) -> Result<Scene, Error> {
         let parameters = &self.state.parameters;
         let mut scene = parameters.common.find_scene(self.resources.as_deref())?;
-        if parameters.youngs_modulus > 0.0 {
-            let beam = scene.structure.as_mut().and_then(|structure| structure.beam.as_mut());
-            let Some(beam) = beam else {
+        let names = self.interface.members().map(|(body, member)| (&body.name, &member.name));
+        let given = names.zip(&parameters.youngs_moduli).filter(|(_, modulus)| **modulus > 0.0);
+        for ((body, member), &modulus) in given {
+            let bodies = scene.body.iter_mut().filter(|known| identifier(&known.name) == *body);
+            let mut members = bodies.flat_map(|body| &mut body.member);
+            let Some(known) = members.find(|known| identifier(&known.name) == *member) else {
                 return Err(Error::Value {
-                    key: "youngs_modulus".to_string(),
-                    got: parameters.youngs_modulus.to_string(),
-                    expected: "0: the scene has no beam".to_string(),
+                    key: format!("body.{body}.{member}.youngs_modulus"),
+                    got: modulus.to_string(),
+                    expected: "0: the scene has no such member".to_string(),
                 });
             };
-            beam.youngs_modulus = parameters.youngs_modulus;
-            scene.validate(&parameters.common.scene)?;
+            known.youngs_modulus = modulus;
         }
+        scene.validate(&parameters.common.scene)?;
         Ok(scene)
+    }
+
+    /// Sets an entry of the added mass, and the one across the diagonal.
+    fn set_added_mass(&mut self, index: usize, value: f64) {
+        let size = self.state.load.len();
+        let (row, column) = (index / size, index % size);
+        self.state.added_mass[row * size + column] = value;
+        self.state.added_mass[column * size + row] = value;
     }
 
     fn prepare(&mut self, start: f64) -> Result<(), Error> {
         let scene = Arc::new(self.resolve_scene()?);
         let series = self.state.parameters.common.series(&scene, FIELD, start)?;
-        let runtime = Runtime::new(Arc::clone(&scene), self.modes, series)?;
+        let runtime = Runtime::new(Arc::clone(&scene), &self.interface, series)?;
         let mut state = runtime.solver.initial_state(&conversion::initial_modes(&scene))?;
         state.time = start;
-        self.state.outputs = runtime.outputs(&state, &structure::Report::default());
+        runtime.write_outputs(&state, &structure::Report::default(), &mut self.state.outputs);
         self.state.progress = Some(Progress { scene, start, state, last: None });
         self.runtime = Some(runtime);
         Ok(())
     }
 
     fn advance(&mut self, time: f64, step: f64) -> Result<(), Failure> {
-        let (Some(runtime), Some(progress)) = (&mut self.runtime, &mut self.state.progress) else {
+        let State { progress, outputs, load, load_acceleration, added_mass, .. } = &mut self.state;
+        let (Some(runtime), Some(progress)) = (&mut self.runtime, progress) else {
             return Err(not_initialised());
         };
         if let Some(number) = runtime.series.as_ref().and_then(|series| series.due(time)) {
             let frame = runtime.frame(&progress.state.motion);
             write_frame(&mut runtime.series, number, time, frame)?;
         }
-        let load = runtime.load(&self.state.load);
-        let added = added_mass(&self.state.added_mass, &self.state.load_acceleration, load.len());
+        let load = runtime.load(load);
+        let added = in_the_scene(added_mass, load_acceleration, &runtime.matching);
         let mut state = progress.state.clone();
         state.time = time;
         let solver = &runtime.solver;
@@ -147,22 +163,27 @@ impl StructureComponent {
         };
         let (report, load) = result.map_err(|error| Failure::discard(error.to_string()))?;
         state.time = time + step;
-        self.state.outputs = runtime.outputs(&state, &report);
+        runtime.write_outputs(&state, &report, outputs);
         let before = std::mem::replace(&mut progress.state, state);
         progress.last = Some(LastStep { before, load, added, duration: step });
         Ok(())
     }
 }
 
-/// What the fluid answers to accelerations; none where no added mass is connected.
-fn added_mass(matrix: &[f64], acceleration: &[f64], size: usize) -> Option<AddedMass> {
-    if matrix.iter().all(|&entry| entry == 0.0) {
+/// What the fluid answers to accelerations, in the coordinates of the scene; none where no added mass is connected.
+fn in_the_scene(added_mass: &[f64], acceleration: &[f64], matching: &Matching) -> Option<AddedMass> {
+    if added_mass.iter().all(|&entry| entry == 0.0) {
         return None;
     }
-    Some(AddedMass {
-        matrix: DMatrix::from_fn(size, size, |row, column| matrix[mass_index(row, column)]),
-        acceleration: DVector::from_column_slice(&acceleration[..size]),
-    })
+    let (all, size) = (acceleration.len(), matching.pairs().count());
+    let mut added = AddedMass { matrix: DMatrix::zeros(size, size), acceleration: DVector::zeros(size) };
+    for (own, row) in matching.pairs() {
+        added.acceleration[row] = acceleration[own];
+        for (other, column) in matching.pairs() {
+            added.matrix[(row, column)] = added_mass[own * all + other];
+        }
+    }
+    Some(added)
 }
 
 fn not_initialised() -> Failure {
@@ -189,24 +210,34 @@ impl HasSceneParameters for StructureComponent {
 impl Component for StructureComponent {
     type State = State;
 
-    fn variants() -> RangeInclusive<usize> {
-        0..=MAXIMUM_MODES
+    type Interface = Interface;
+
+    fn interface(resources: Option<&Path>) -> Result<Interface, Failure> {
+        Interface::of_resources(resources).map_err(|error| Failure::refused(error.to_string()))
     }
 
-    fn model(variant: usize) -> Model<Self> {
-        table::model(variant)
+    fn model(interface: &Interface) -> Model<Self> {
+        table::model(interface)
     }
 
-    fn new(setup: &Setup) -> Self {
+    fn new(setup: &Setup<Interface>) -> Self {
+        let (size, members) = (setup.interface.layout().size(), setup.interface.members().count());
+        let parameters = Parameters { youngs_moduli: vec![0.0; members], ..Parameters::default() };
         let state = State {
-            parameters: Parameters::default(),
-            load: [0.0; COORDINATES],
-            load_acceleration: [0.0; COORDINATES],
-            added_mass: vec![0.0; COORDINATES * COORDINATES],
-            outputs: Outputs::default(),
+            parameters,
+            load: vec![0.0; size],
+            load_acceleration: vec![0.0; size],
+            added_mass: vec![0.0; size * size],
+            outputs: Outputs::new(&setup.interface),
             progress: None,
         };
-        Self { modes: setup.variant, resources: setup.resources.clone(), state, runtime: None, seconds: 0.0 }
+        Self {
+            interface: setup.interface.clone(),
+            resources: setup.resources.clone(),
+            state,
+            runtime: None,
+            seconds: 0.0,
+        }
     }
 
     fn initialise(&mut self, experiment: &Experiment, log: &Logger) -> Result<(), Failure> {
@@ -214,8 +245,8 @@ impl Component for StructureComponent {
         let wrong = |error: Error| error.in_scene(&self.state.parameters.common.scene_file());
         result.map_err(|error| Failure::broken(wrong(error).to_string()))?;
         if let Some(progress) = &self.state.progress {
-            let modes = progress.scene.modes();
-            log.event(&format!("structure of '{}' with {modes} modes is ready", progress.scene.title));
+            let bodies = progress.scene.body.len();
+            log.event(&format!("structure of '{}' with {bodies} bodies is ready", progress.scene.title));
         }
         Ok(())
     }
@@ -240,14 +271,14 @@ impl Component for StructureComponent {
     }
 
     fn check(&self, state: &State) -> Result<(), Failure> {
-        state.check()?;
+        state.check(&self.interface)?;
         let Some(progress) = &state.progress else { return Ok(()) };
         let refuse = |error: &dyn std::fmt::Display| Failure::refused(error.to_string());
         progress.scene.validate(&state.parameters.common.scene).map_err(|error| refuse(&error))?;
         match self.runtime.as_ref().filter(|runtime| runtime.fits(&progress.scene)) {
             Some(runtime) => progress.check(runtime),
             None => {
-                let runtime = Runtime::new(Arc::clone(&progress.scene), self.modes, None);
+                let runtime = Runtime::new(Arc::clone(&progress.scene), &self.interface, None);
                 progress.check(&runtime.map_err(|error| refuse(&error))?)
             }
         }
@@ -269,7 +300,7 @@ impl Component for StructureComponent {
                 if kept.is_none() || !same_output {
                     let scene = Arc::clone(kept.map_or(&progress.scene, |runtime| &runtime.scene));
                     let fresh = parameters.common.series(&scene, FIELD, progress.start);
-                    let runtime = fresh.and_then(|series| Runtime::new(scene, self.modes, series));
+                    let runtime = fresh.and_then(|series| Runtime::new(scene, &self.interface, series));
                     self.runtime = Some(runtime.map_err(|error| Failure::broken(error.to_string()))?);
                 }
             }
@@ -303,20 +334,24 @@ impl Component for StructureComponent {
                 .with_added_mass(added, last.duration)
                 .ok_or_else(|| Failure::refused("the added mass is no positive matrix: the step has no derivative"))?,
         };
+        let size = self.state.load.len();
         let entry = |unknown: Reference, known: Reference| -> f64 {
-            let (Some((family, row)), Some((LOAD, column))) = (coordinate(unknown), coordinate(known)) else {
+            let (Some((family, row)), Some((LOAD, column))) = (coordinate(unknown, size), coordinate(known, size))
+            else {
                 return 0.0;
             };
+            // Coordinates that the scene does not have answer to nothing.
+            let pair = runtime.matching.coordinate(row).zip(runtime.matching.coordinate(column));
+            let Some(pair) = pair else { return 0.0 };
             let matrix = match family {
                 POSITION => &sensitivity.position,
                 VELOCITY => &sensitivity.velocity,
                 ACCELERATION => &sensitivity.acceleration,
                 _ => return 0.0,
             };
-            // Coordinates that the scene does not have answer to nothing.
-            matrix.get((row, column)).copied().unwrap_or(0.0)
+            matrix[pair]
         };
-        if let Some(&other) = unknowns.iter().find(|&&unknown| coordinate(unknown).is_none()) {
+        if let Some(&other) = unknowns.iter().find(|&&unknown| coordinate(unknown, size).is_none()) {
             return Err(Failure::refused(format!(
                 "directional derivatives are given of the motion only, not of the value reference {other}"
             )));

@@ -2,7 +2,7 @@
 //! nothing that grows with the particles.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use components::{DEFAULT_MODES, FluidComponent, StructureComponent};
+use components::{FluidComponent, Interface, StructureComponent};
 use fmi2::{Component, Instance, Logger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -52,8 +52,8 @@ fn scene() -> String {
     std::fs::canonicalize(path).unwrap().to_string_lossy().into_owned()
 }
 
-fn ready<C: Component>() -> Instance<C> {
-    let mut instance = Instance::<C>::new(DEFAULT_MODES, None, Logger::silent()).unwrap();
+fn ready<C: Component<Interface = Interface>>() -> Instance<C> {
+    let mut instance = Instance::<C>::new(Interface::of_resources(None).unwrap(), None, Logger::silent()).unwrap();
     let reference = |name: &str| {
         instance.model().variables.iter().find(|variable| variable.name == name).map(|variable| variable.reference)
     };
@@ -69,7 +69,7 @@ fn ready<C: Component>() -> Instance<C> {
 }
 
 /// Allocations, and their bytes, of the last of many times `STEPS` steps; each is made twice where a pass is repeated.
-fn counted<C: Component>(passes: usize) -> (usize, usize) {
+fn counted<C: Component<Interface = Interface>>(passes: usize) -> (usize, usize) {
     let mut instance = ready::<C>();
     let mut saved = instance.get_state().unwrap();
     let mut step = 0;

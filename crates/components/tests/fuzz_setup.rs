@@ -44,7 +44,7 @@ fn bases() -> Vec<(String, Vec<String>)> {
         }
         scene.check.clear();
         let mut found = Vec::new();
-        for part in ["fluid", "structure"] {
+        for part in ["fluid", "body"] {
             let value = Value::try_from(&scene).unwrap();
             value.get(part).into_iter().for_each(|value| numbers(value, part, &mut found));
         }
@@ -137,9 +137,9 @@ fn sizes_beyond_reason_are_refused() {
         ("hydrostatic", "fluid.spacing", "1e-9", &["1e7 particles"][..]),
         ("hydrostatic", "fluid.wall.0.points.1", "[-1e300, 0.0]", &["1e8 spacings", "from (-1e300, 0)"]),
         ("hydrostatic", "fluid.wall.0.points.1", "[-1e7, 0.0]", &["1e8 spacings", "10000001 m"]),
-        ("dam_break_plate", "structure.beam.length", "1e6", &["pieces of two spacings", "10000"]),
-        ("dam_break_plate", "structure.beam.thickness", "1e6", &["thickness = 1e6", "less than the length, 0.08 m"]),
-        ("floating_box_heave", "structure.wall.0.points.0", "[1e300, 0.0]", &["the body's surface"]),
+        ("dam_break_plate", "body.0.member.0.length", "1e6", &["pieces of two spacings", "10000"]),
+        ("dam_break_plate", "body.0.member.0.thickness", "1e6", &["thickness = 1e6", "less than the length, 0.08 m"]),
+        ("floating_box_heave", "body.0.wall.0.points.0", "[1e300, 0.0]", &["the body's surface"]),
     ] {
         let overrides = [(key.to_string(), value.to_string())];
         let result = Scene::from_file_with(&scenes.join(format!("{scene}.toml")), &overrides);

@@ -41,7 +41,7 @@ pub enum Error {
     },
     /// The body meets a fixed wall.
     #[error(
-        "the body's surface passes through a fixed wall at ({}, {}) m at t = {} s; add [structure.contact] to let it \
+        "the body's surface passes through a fixed wall at ({}, {}) m at t = {} s; add [body.contact] to let it \
          rest there, end the run before, or give the body more room",
         six(*x), six(*y), six(*time)
     )]

@@ -2,8 +2,7 @@
 
 use crate::{Failure, Logger, Reference, Variable};
 use serde::{Serialize, de::DeserializeOwned};
-use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A unit and its SI exponents.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,9 +59,9 @@ pub struct Model<C> {
 
 /// What an instance is given at instantiation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Setup {
-    /// Variant of the model that the GUID names.
-    pub variant: usize,
+pub struct Setup<I> {
+    /// What decides its variables.
+    pub interface: I,
     /// Folder of the FMU's resources; none when the importer did not say.
     pub resources: Option<PathBuf>,
 }
@@ -84,14 +83,20 @@ pub trait Component: Sized + 'static {
     /// space does not belong to it.
     type State: Clone + Serialize + DeserializeOwned;
 
-    /// The variants in which the model can be packed, for example numbers of modes.
-    fn variants() -> RangeInclusive<usize>;
+    /// What decides which variables the model has: the names in a scene, for example.
+    type Interface: Clone;
 
-    /// Description and table of one variant. Value references must not depend on the variant.
-    fn model(variant: usize) -> Model<Self>;
+    /// The interface of the FMU that has these resources, a folder; that of an FMU without any where none are given.
+    ///
+    /// # Errors
+    /// Resources that cannot be read.
+    fn interface(resources: Option<&Path>) -> Result<Self::Interface, Failure>;
+
+    /// Description and table for one interface.
+    fn model(interface: &Self::Interface) -> Model<Self>;
 
     /// A new component. The start values of the table are set right afterwards.
-    fn new(setup: &Setup) -> Self;
+    fn new(setup: &Setup<Self::Interface>) -> Self;
 
     /// Builds the initial state from the parameters. Called at the start of the initialisation mode, and again
     /// whenever a parameter was changed there.

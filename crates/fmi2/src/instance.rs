@@ -14,7 +14,7 @@ pub struct Instance<C: Component> {
     pub(crate) mode: Mode,
     /// Texts that the last fmi2GetString handed out.
     pub(crate) texts: Vec<CString>,
-    setup: Setup,
+    setup: Setup<C::Interface>,
     guid: Uuid,
     experiment: Experiment,
     time: f64,
@@ -29,15 +29,14 @@ fn broken(failure: Failure) -> Failure {
 const EXPERIMENT: Experiment = Experiment { start: 0.0, stop: None, tolerance: None };
 
 impl<C: Component> Instance<C> {
-    /// An instance of one variant, for use in process.
-    pub fn new(variant: usize, resources: Option<PathBuf>, logger: Logger) -> Result<Self, Failure> {
-        let variants = C::variants();
-        if !variants.contains(&variant) {
-            return Err(Failure::refused(format!("variant {variant}: expected one of {variants:?}")));
-        }
-        let model = C::model(variant);
+    /// An instance with this interface, for use in process.
+    ///
+    /// # Errors
+    /// A table that makes no description.
+    pub fn new(interface: C::Interface, resources: Option<PathBuf>, logger: Logger) -> Result<Self, Failure> {
+        let model = C::model(&interface);
         let guid = describe::guid(&model)?;
-        let setup = Setup { variant, resources };
+        let setup = Setup { interface, resources };
         let component = C::new(&setup);
         let mut instance = Self {
             component,
@@ -55,21 +54,24 @@ impl<C: Component> Instance<C> {
         Ok(instance)
     }
 
-    /// An instance of the variant that has this GUID, with or without braces.
+    /// The instance that this GUID asks for, with or without braces: that of the resources, or one without any.
+    ///
+    /// # Errors
+    /// A GUID of another build or of other resources.
     pub fn with_guid(guid: &str, resources: Option<PathBuf>, logger: Logger) -> Result<Self, Failure> {
-        let variants = C::variants();
         let bare = guid.trim().trim_start_matches('{').trim_end_matches('}');
-        for variant in variants.clone() {
-            if describe::guid(&C::model(variant))?.to_string().eq_ignore_ascii_case(bare) {
-                return Self::new(variant, resources, logger);
-            }
+        let without = resources.is_none();
+        let instance = Self::new(C::interface(resources.as_deref())?, resources, logger)?;
+        if instance.guid.to_string().eq_ignore_ascii_case(bare) {
+            return Ok(instance);
         }
-        let known = describe::guid(&C::model(*variants.start()))?;
-        Err(Failure::refused(format!(
-            "the GUID '{guid}' is not one of this binary's {} variants (the first has {known}): modelDescription.xml \
-             and binary are not of the same build",
-            variants.count()
-        )))
+        let of = if without {
+            "that of this binary without resources: the importer gave no fmuResourceLocation, in which it would find for \
+             which variables the FMU was packed, or modelDescription.xml and binary are not of the same build"
+        } else {
+            "that of this binary with these resources: modelDescription.xml, resources and binary are not of the same build"
+        };
+        Err(Failure::refused(format!("the GUID '{guid}' is not {}, {of}", instance.guid)))
     }
 
     fn set_start_values(&mut self) {

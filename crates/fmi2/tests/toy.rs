@@ -8,7 +8,7 @@ use fmi2::{
 };
 use serde::{Deserialize, Serialize};
 use std::ffi::{CStr, CString};
-use std::ops::RangeInclusive;
+use std::path::Path;
 use std::ptr::{null, null_mut};
 
 /// Integrates its input: dx/dt = gain u. Panics at u = 666, discards at u = 13, fails at u = 14.
@@ -28,11 +28,15 @@ struct ToyState {
 impl Component for Toy {
     type State = ToyState;
 
-    fn variants() -> RangeInclusive<usize> {
-        0..=2
+    type Interface = usize;
+
+    /// One output more than the resources' folder has in its name.
+    fn interface(resources: Option<&Path>) -> Result<usize, Failure> {
+        let name = resources.and_then(Path::file_name).map_or("1".into(), |name| name.to_string_lossy());
+        name.parse().map_err(|_| Failure::refused(format!("resources '{name}': expected a number")))
     }
 
-    fn model(variant: usize) -> Model<Self> {
+    fn model(&outputs: &usize) -> Model<Self> {
         let mut variables = vec![
             Variable::real(1, "gain", "factor, <1 & >0", "", |this: &Self, _| this.state.gain)
                 .real_parameter(2.0, |this, _, value| this.state.gain = value)
@@ -51,7 +55,7 @@ impl Component for Toy {
             Variable::real(2, "u", "input", "", |this: &Self, _| this.state.input)
                 .input(|this, _, value| this.state.input = value),
         ];
-        for index in 0..=variant {
+        for index in 0..=outputs {
             let reference = 10 + index as Reference;
             variables.push(Variable::real(reference, format!("x[{index}]"), "output", "", |this, _| this.state.output));
         }
@@ -68,7 +72,7 @@ impl Component for Toy {
         }
     }
 
-    fn new(_setup: &Setup) -> Self {
+    fn new(_setup: &Setup<usize>) -> Self {
         Self { state: ToyState { gain: 0.0, order: 0, name: String::new(), input: 0.0, output: -1.0 } }
     }
 
@@ -111,8 +115,8 @@ impl Component for Toy {
     }
 }
 
-fn guid(variant: usize) -> CString {
-    CString::new(describe::guid(&Toy::model(variant)).unwrap().to_string()).unwrap()
+fn guid(outputs: usize) -> CString {
+    CString::new(describe::guid(&Toy::model(&outputs)).unwrap().to_string()).unwrap()
 }
 
 /// An instance behind a C handle.
@@ -167,7 +171,7 @@ fn free(component: ffi::Component) {
 
 #[test]
 fn instantiation_is_refused_for_wrong_arguments() {
-    let (right, wrong) = (guid(0), c"{00000000-0000-0000-0000-000000000000}");
+    let (right, wrong) = (guid(1), c"{00000000-0000-0000-0000-000000000000}");
     let make = |name: ffi::Text, kind: ffi::Type, guid: ffi::Text| {
         // SAFETY: strings are NULL or live during the call.
         unsafe { entry::instantiate::<Toy>(name, kind, guid, null(), null(), 0, 0) }
@@ -346,7 +350,6 @@ fn states_go_through_bytes_and_buffers_are_checked() {
 #[test]
 fn in_process_the_same_rules_hold() {
     let mut instance = Instance::<Toy>::new(0, None, Logger::silent()).unwrap();
-    assert!(Instance::<Toy>::new(3, None, Logger::silent()).is_err());
     instance.setup_experiment(None, 0.0, Some(0.3)).unwrap();
     instance.enter_initialization_mode().unwrap();
     instance.exit_initialization_mode().unwrap();
@@ -363,6 +366,23 @@ fn in_process_the_same_rules_hold() {
     assert!(failure.message.contains("u = inf") && instance.mode() == Mode::Error, "{failure}");
 }
 
+/// The resources say which variables there are, and the GUID that they are those of the description.
+#[test]
+fn the_interface_is_that_of_the_resources() {
+    let make = |outputs: usize, resources: Option<&str>| {
+        let guid = guid(outputs).into_string().unwrap();
+        Instance::<Toy>::with_guid(&guid, resources.map(Into::into), Logger::silent())
+            .map_err(|failure| failure.message)
+    };
+    let variables = |instance: Instance<Toy>| instance.model().variables.len();
+    assert_eq!(variables(make(2, Some("/toy/2")).unwrap()), variables(make(1, None).unwrap()) + 1);
+    let message = make(2, None).err().unwrap();
+    assert!(message.contains("the importer gave no fmuResourceLocation"), "{message}");
+    let message = make(1, Some("/toy/2")).err().unwrap();
+    assert!(message.contains("modelDescription.xml, resources and binary are not of the same build"), "{message}");
+    assert!(make(1, Some("/toy/many")).err().unwrap().contains("resources 'many'"));
+}
+
 #[test]
 fn a_bad_parameter_stops_the_initialisation_with_its_message() {
     let mut instance = Instance::<Toy>::new(0, None, Logger::silent()).unwrap();
@@ -375,7 +395,7 @@ fn a_bad_parameter_stops_the_initialisation_with_its_message() {
 
 #[test]
 fn description_escapes_and_writes_dependencies() {
-    let text = describe::xml(&Toy::model(1)).unwrap();
+    let text = describe::xml(&Toy::model(&1)).unwrap();
     assert!(text.contains("factor, &lt;1 &amp; &gt;0"), "{text}");
     let unknowns = text.lines().filter(|line| line.contains("<Unknown "));
     let unknowns: Vec<&str> = unknowns.map(str::trim).collect();

@@ -27,5 +27,5 @@ pub use body_set::{BodySet, SurfacePoint};
 pub use error::Error;
 pub use layout::{Coordinate, CoordinateLayout, Part, RIGID};
 pub use modes::{BeamModes, Support};
-pub use motion::{MAXIMUM_MODES, Motion, MotionView, copy};
+pub use motion::{Motion, MotionView, copy};
 pub use panel::Panel;

@@ -5,11 +5,6 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Largest number of modes that crosses the interface between the two components.
-///
-/// [`crate::BeamModes`] itself knows no limit.
-pub const MAXIMUM_MODES: usize = 8;
-
 /// Generalised coordinates of one body or of several with their first and second time derivatives: which entry is what is
 /// the matter of [`crate::CoordinateLayout`].
 ///

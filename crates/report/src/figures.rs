@@ -177,8 +177,8 @@ fn families(wanted: &Wanted, series: &Series) -> Vec<(String, Chart)> {
 
 /// Place of a variable's chart: what is looked for first stands first, modal coordinates last.
 fn rank(name: &str) -> usize {
-    const FIRST: [&str; 5] = [".deflection", ".probe.", ".region.", ".level", ".motion."];
-    if name.contains("motion.q") || name.contains("motion.vq") || name.contains("motion.aq") {
+    const FIRST: [&str; 5] = [".deflection", ".probe.", ".region.", ".gauge.", ".motion."];
+    if [".motion.q", ".motion.vq", ".motion.aq"].iter().any(|mode| name.contains(mode)) {
         return FIRST.len() + 1;
     }
     FIRST.iter().position(|part| name.contains(part)).unwrap_or(FIRST.len())
@@ -188,17 +188,20 @@ fn title(column: &Column) -> String {
     stem(&column.name).replace('.', " ")
 }
 
-fn stem(name: &str) -> &str {
-    let base = name.split('[').next().unwrap_or(name);
-    let array = base.len() < name.len();
-    if array { base } else { base.rsplit_once('.').map_or(base, |(family, _)| family) }
+/// What variables share that differ in their last part, or in the place where they are read.
+fn stem(name: &str) -> String {
+    let parts: Vec<&str> = name.split('.').collect();
+    match parts.as_slice() {
+        [participant, kind @ ("probe" | "region" | "gauge"), _, quantity] => format!("{participant}.{kind}.{quantity}"),
+        [all @ .., _] => all.join("."),
+        [] => String::new(),
+    }
 }
 
 fn family(column: &Column) -> String {
-    let name = &column.name;
-    let stem = stem(name);
+    let stem = stem(&column.name);
     // A variable directly below its participant has a picture of its own.
-    let stem = if stem.contains('.') { stem } else { name };
+    let stem = if stem.contains('.') { stem.as_str() } else { &column.name };
     format!("{stem} {}", column.unit)
 }
 
@@ -244,7 +247,8 @@ mod tests {
     #[test]
     fn families_share_a_picture() {
         let column = |name: &str, unit: &str| Column { name: name.into(), unit: unit.into(), values: vec![] };
-        assert_eq!(family(&column("fluid.probe.pressure[2]", "Pa")), "fluid.probe.pressure Pa");
+        assert_eq!(family(&column("fluid.probe.P2.pressure", "Pa")), "fluid.probe.pressure Pa");
+        assert_eq!(family(&column("structure.body.cabin.motion.x", "m")), "structure.body.cabin.motion m");
         assert_eq!(family(&column("fluid.energy.kinetic", "J/m")), "fluid.energy J/m");
         assert_eq!(family(&column("fluid.maximum_speed", "m/s")), "fluid.maximum_speed m/s");
         assert_eq!(slug("fluid.probe.pressure Pa"), "fluid-probe-pressure-pa");
@@ -258,9 +262,9 @@ mod tests {
         assert_eq!(expression(&check), "fluid.extent.top - 0.5");
         assert_eq!(expression(&Check { scale: 2.0, ..check.clone() }), "(fluid.extent.top - 0.5) times 2");
         let plain = |name: &str| is_plain(&column(name), std::slice::from_ref(&check));
-        assert!(plain("fluid.level[1]") && plain("fluid.energy.total") && plain("structure.motion.x"));
+        assert!(plain("fluid.gauge.g.level") && plain("fluid.energy.total") && plain("structure.body.cabin.motion.x"));
         assert!(plain("fluid.extent.top") && !plain("fluid.extent.left") && !plain("fluid.solver.iterations"));
-        let constant = Column { values: vec![1.0, 1.0], ..column("fluid.level[1]") };
+        let constant = Column { values: vec![1.0, 1.0], ..column("fluid.gauge.g.level") };
         assert!(!is_plain(&constant, &[]));
     }
 

@@ -1,7 +1,7 @@
 //! From TOML text to typed data: overrides by dotted path, errors with the line and the nearest key.
 
 use crate::lists::{self, Surplus};
-use crate::place::{line_at, line_of, same_branch};
+use crate::place::{entry, line_at, line_of, same_branch};
 use crate::{Error, words};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -71,8 +71,8 @@ pub fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-/// Parses the text of a document called `name`, with overrides (key path, TOML value). In a key path numbers index
-/// arrays and missing tables are made; below `parameters` the rest of the path is one name, for names of variables
+/// Parses the text of a document called `name`, with overrides (key path, TOML value). In a key path numbers or
+/// names tell the entries of a list and missing tables are made; below `parameters` the rest of the path is one name, for names of variables
 /// contain dots. A value that is no TOML counts as a string. Lists with entries that nothing reads are refused.
 pub fn from_toml<T: DeserializeOwned + Serialize>(
     text: &str,
@@ -169,17 +169,28 @@ fn said(path: &str, error: &toml::de::Error) -> String {
     format!("{}{}", before(path), words::plain(error.message()))
 }
 
-/// Names that were others once, and what they are now.
-const RENAMED: &[(&str, &str)] = &[("accurate", "voronoi"), ("paper", "mps")];
+/// Keys and words that were others once, and what to write now; each where one of the known ones is what is now.
+const RENAMED: &[(&str, &str, &str)] = &[
+    ("accurate", "voronoi", "`accurate` is called `voronoi` now"),
+    ("paper", "mps", "`paper` is called `mps` now"),
+    (
+        "structure",
+        "body",
+        "a [structure] is a [[body]] with a `name` now, its beam a [[body.member]] with a `name`, and its integrator stands in \
+         [integrator]",
+    ),
+    ("beam", "member", "a beam is a [[body.member]] with a `name` now"),
+    ("integrator", "constant_load", "the integrator is that of all bodies and stands in [integrator] now"),
+];
 
 /// What an unknown key is called now, or the known key nearest to it, from an error text that lists the known ones in
 /// backquotes.
 fn hint(message: &str) -> String {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let Some(unknown) = quoted.next().filter(|_| message.contains("unknown")) else { return String::new() };
-    let renamed = RENAMED.iter().find(|(old, new)| *old == unknown && quoted.clone().any(|known| known == *new));
-    if let Some((old, new)) = renamed {
-        return format!("; `{old}` is called `{new}` now");
+    let renamed = RENAMED.iter().find(|(old, new, _)| *old == unknown && quoted.clone().any(|known| known == *new));
+    if let Some((_, _, now)) = renamed {
+        return format!("; {now}");
     }
     let score = |known: &str| (strsim::jaro_winkler(unknown, known) * 1e6) as i64;
     let nearest = quoted.max_by_key(|known| score(known));
@@ -218,8 +229,11 @@ fn child<'a>(value: &'a mut Value, key: &str) -> Result<&'a mut Value, String> {
         Value::Table(table) => Ok(table.entry(key).or_insert_with(|| Value::Table(Table::new()))),
         Value::Array(items) => {
             let count = items.len();
-            let item = key.parse::<usize>().ok().and_then(|index| items.get_mut(index));
-            item.ok_or_else(|| format!("`{key}`: expected an index below {count}"))
+            let own = |item: &Value| Some(item.get("name")?.as_str()?.to_string());
+            let names: Vec<String> = items.iter().filter_map(own).collect();
+            let item = entry(key, items.iter().map(own)).and_then(|index| items.get_mut(index));
+            let or = if names.is_empty() { String::new() } else { format!(" or a name: {}", names.join(", ")) };
+            item.ok_or_else(|| format!("`{key}`: expected an index below {count}{or}"))
         }
         _ => Err(format!("`{key}` lies below a value that is no table")),
     }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
-    /// Name in reports.
+    /// Name, in reports and in the variables of the FMUs.
     pub name: String,
     /// Place of a point probe.
     #[serde(default)]
@@ -22,9 +22,9 @@ pub struct Probe {
     /// Number of points of a line probe.
     #[serde(default)]
     pub count: usize,
-    /// Whether it moves with the structure's rigid body, from its place at the start on.
+    /// Name of the body that it moves with, from its place at the start on; missing: it stays where it is.
     #[serde(default)]
-    pub on_body: bool,
+    pub on_body: Option<String>,
 }
 
 impl Probe {
@@ -55,7 +55,7 @@ impl Probe {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gauge {
-    /// Name in reports.
+    /// Name, in reports and in the variables of the FMUs.
     pub name: String,
     /// Place \[m\].
     pub x: f64,
@@ -65,11 +65,11 @@ pub struct Gauge {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
-    /// Name in reports.
+    /// Name, in reports and in the variables of the FMUs.
     pub name: String,
     /// Corners in order.
     pub polygon: Vec<Point>,
-    /// Whether it moves with the structure's rigid body, from its place at the start on.
+    /// Name of the body that it moves with, from its place at the start on; missing: it stays where it is.
     #[serde(default)]
-    pub on_body: bool,
+    pub on_body: Option<String>,
 }

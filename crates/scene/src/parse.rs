@@ -86,6 +86,30 @@ mod tests {
     }
 
     #[test]
+    fn an_old_structure_is_told_what_to_write() {
+        let text = format!("{SCENE}[structure]\nfree = ['y']\n");
+        let message = Scene::from_str(&text, "tank.toml").unwrap_err().to_string();
+        assert!(
+            message.contains("a [structure] is a [[body]] with a `name` now") && message.contains("line 8"),
+            "{message}"
+        );
+        let text = format!("{SCENE}[[body]]\nname = 'box'\n[body.beam]\nlength = 1.0\n");
+        let message = Scene::from_str(&text, "tank.toml").unwrap_err().to_string();
+        assert!(message.contains("a beam is a [[body.member]] with a `name` now"), "{message}");
+    }
+
+    #[test]
+    fn entries_of_a_list_go_by_their_index_or_their_name() {
+        let text = format!("{SCENE}[[body]]\nname = 'left box'\nfree = ['y']\nmass = 1.0\n");
+        for (key, value) in [("body.0.mass", "2.0"), ("body.left box.mass", "2.0"), ("body.left_box.mass", "2.0")] {
+            let scene = Scene::with_overrides(&text, "t", &[(key.into(), value.into())]).unwrap();
+            assert_eq!(scene.body[0].mass, 2.0, "{key}");
+        }
+        let message = Scene::with_overrides(&text, "t", &[("body.box.mass".into(), "2".into())]).unwrap_err();
+        assert!(message.to_string().contains("`box`: expected an index below 1 or a name: left box"), "{message}");
+    }
+
+    #[test]
     fn out_of_range_says_what_is_expected() {
         let error = Scene::with_overrides(SCENE, "t", &[("fluid.spacing".into(), "-1".into())]).unwrap_err();
         assert!(error.to_string().contains("fluid.spacing = -1"), "{error}");

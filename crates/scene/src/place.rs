@@ -1,5 +1,6 @@
 //! Where in the text of a document a key stands.
 
+use crate::identifier;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -14,7 +15,10 @@ pub fn line_of(text: &str, key: &str) -> Option<usize> {
         let next = match value.get_ref() {
             DeValue::Table(table) => table.get_key_value(name).map(|(key, value)| (key.span().start, value)),
             DeValue::Array(items) => {
-                let item = name.parse::<usize>().ok().and_then(|index| items.get(index));
+                let own = |item: &Spanned<DeValue>| {
+                    item.get_ref().get("name").and_then(|name| Some(name.get_ref().as_str()?.to_string()))
+                };
+                let item = entry(name, items.iter().map(own)).and_then(|index| items.get(index));
                 item.map(|item| (item.span().start, item))
             }
             _ => None,
@@ -30,12 +34,22 @@ pub fn line_at(text: &str, byte: usize) -> usize {
     text.bytes().take(byte).filter(|byte| *byte == b'\n').count() + 1
 }
 
-/// Whether two key paths name the same value, or one something within the other.
-pub fn same_branch(a: &str, b: &str) -> bool {
-    names(a).into_iter().zip(names(b)).all(|(a, b)| a == b)
+/// Index of the entry of a list that a key path means: by its index, or by its name.
+pub fn entry(key: &str, names: impl ExactSizeIterator<Item = Option<String>>) -> Option<usize> {
+    match key.parse::<usize>() {
+        Ok(index) => Some(index).filter(|index| *index < names.len()),
+        Err(_) => names.into_iter().position(|name| name.is_some_and(|name| name == key || identifier(&name) == key)),
+    }
 }
 
-/// The names and indices of the first key path in a text such as `length of structure.beam.damping`.
+/// Whether two key paths name the same value, or one something within the other. An entry of a list may go by its index in
+/// one and by its name in the other: any name may be that of an index.
+pub fn same_branch(a: &str, b: &str) -> bool {
+    let is_index = |name: &str| name.parse::<usize>().is_ok();
+    names(a).into_iter().zip(names(b)).all(|(a, b)| a == b || is_index(a) != is_index(b))
+}
+
+/// The names and indices of the first key path in a text such as `length of body[0].member[1].damping`.
 fn names(key: &str) -> Vec<&str> {
     let path = key.strip_prefix("length of ").unwrap_or(key);
     let path = path.split([',', ':', ' ']).next().unwrap_or_default();
@@ -59,8 +73,9 @@ mod tests {
             ("check[1].limit", Some(14)),
             ("check.0.name", Some(11)),
             ("length of fluid.wall", Some(5)),
-            ("fluid.probe, fluid.region: on_body", Some(4)),
-            ("structure", None),
+            ("fluid.probe, fluid.region", Some(4)),
+            ("check.b.limit", Some(14)),
+            ("body", None),
         ];
         for (key, line) in cases {
             assert_eq!(line_of(TEXT, key), line, "{key}");
@@ -68,5 +83,6 @@ mod tests {
         assert!(
             same_branch("fluid.wall[0].points", "fluid.wall.0") && !same_branch("run.end", "run.communication_step")
         );
+        assert!(same_branch("check.b.limit", "check[1].limit") && !same_branch("check.b.limit", "check[1].name"));
     }
 }

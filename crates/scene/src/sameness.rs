@@ -12,7 +12,7 @@ impl Scene {
         Self { title, source, differs, check, quick, run, output, fluid, ..self.clone() }
     }
 
-    /// Where another scene is another one to the water and the structure, so that a state of one is none of the other; none
+    /// Where another scene is another one to the water and the bodies, so that a state of one is none of the other; none
     /// where it is the same. How long they run, how they are coupled, on how many threads, and what is recorded may differ.
     pub fn model_difference(&self, other: &Self) -> Option<String> {
         let model = |scene: &Self| {

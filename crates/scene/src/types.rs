@@ -1,6 +1,6 @@
 //! The types that a scene file deserialises into. Field names are the keys of the file.
 
-use crate::{Check, Gauge, Probe, Quick, Region, Structure};
+use crate::{Body, Check, Gauge, Integrator, Member, Probe, Quick, Region};
 use fluid::{MpsParameters, SolveParameters, VoronoiParameters};
 use keys::keys;
 use schemars::JsonSchema;
@@ -29,12 +29,15 @@ pub struct Scene {
     /// What is written and how often.
     #[serde(default)]
     pub output: Output,
-    /// The water and its walls; absent in a scene of the structure alone.
+    /// The water and its walls; absent in a scene of bodies alone.
     #[serde(default)]
     pub fluid: Option<Fluid>,
-    /// The cabin or beam; absent in a scene of the fluid alone.
+    /// Bodies with their flexible members; none in a scene of the fluid alone.
     #[serde(default)]
-    pub structure: Option<Structure>,
+    pub body: Vec<Body>,
+    /// Time integration of the bodies.
+    #[serde(default)]
+    pub integrator: Integrator,
     /// How the two are coupled.
     #[serde(default)]
     pub coupling: Coupling,
@@ -50,9 +53,14 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Number of modes of the beam; 0 without one.
-    pub fn modes(&self) -> usize {
-        self.structure.as_ref().and_then(|structure| structure.beam.as_ref()).map_or(0, |beam| beam.modes)
+    /// The flexible members of all bodies.
+    pub fn members(&self) -> impl Iterator<Item = &Member> {
+        self.body.iter().flat_map(|body| &body.member)
+    }
+
+    /// Whether the water can move anything: a free degree of freedom, or a mode.
+    pub fn moves(&self) -> bool {
+        self.body.iter().any(|body| !body.free.is_empty() || body.modes() > 0)
     }
 }
 
@@ -62,7 +70,7 @@ impl Scene {
 pub struct Run {
     /// End of the run \[s\]; it starts at 0.
     pub end: f64,
-    /// Communication step \[s\]: the structure's step and the interval of results.
+    /// Communication step \[s\]: the step of the bodies and the interval of results.
     pub communication_step: f64,
 }
 
@@ -84,9 +92,9 @@ keys! {
     /// What a run is watched for. What is found is a warning at once and counts as a limit that was missed. Energy and speed
     /// are watched in scenes; of the FMUs of a case nobody knows what drives them.
     pub struct Watch {
-        /// Share of the energy of the run by which water and structure may gain energy that nothing supplied; 0 does not
+        /// Share of the energy of the run by which water and bodies may gain energy that nothing supplied; 0 does not
         /// look. The energy of the run is the largest kinetic energy so far, the water's potential energy at the start
-        /// above the lowest point of the scene, and the range of the structure's.
+        /// above the lowest point of the scene, and the range of that of the bodies.
         energy: f64 = 0.01, in 0.0 to 1e3;
         /// Share of the particles that may leave the scene: 1 where water is meant to run out.
         lost: f64 = 0.0, in 0.0 to 1.0;
@@ -233,11 +241,11 @@ pub struct Wall {
 }
 
 keys! {
-    /// How fluid and structure are coupled.
+    /// How the water and the bodies are coupled.
     pub struct Coupling {
         /// Method.
         method: Method = Method::Auto;
-        /// For `explicit`: whether the structure takes the fluid's added mass into its equations.
+        /// For `explicit`: whether the bodies take the water's added mass into their equations.
         added_mass: bool = true;
         /// Relaxation factor: of `constant`, and of the first iteration of the others.
         relaxation: f64 = 0.2, in 1e-6 to 1.0;

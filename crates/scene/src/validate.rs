@@ -1,5 +1,6 @@
 //! The ranges of every value of a scene. Geometry that needs more than one part is checked where it is built.
 
+use crate::validate_bodies::validate_bodies;
 use crate::*;
 use digits::six;
 use keys::OutOfRange;
@@ -14,8 +15,8 @@ const MOST_PROBE_POINTS: f64 = 1000.0;
 /// Largest speed \[m/s\] and velocity gradient \[1/s\]: incompressible water is slower than sound in it by far.
 const LARGEST_SPEED: f64 = 1e5;
 /// Bounds of a positive number in SI units: their squares and products are numbers too.
-const SMALLEST: f64 = 1e-15;
-const LARGEST: f64 = 1e15;
+pub(crate) const SMALLEST: f64 = 1e-15;
+pub(crate) const LARGEST: f64 = 1e15;
 
 pub(crate) struct Checker<'a> {
     pub(crate) name: &'a str,
@@ -91,6 +92,27 @@ impl Checker<'_> {
         points.iter().enumerate().try_for_each(|(i, point)| self.point(&format!("{key}[{i}]"), *point))
     }
 
+    /// Refuses names that give no word for a variable, and two entries of a list with one such word.
+    pub(crate) fn names<'a>(&self, list: &str, names: impl Iterator<Item = (usize, &'a str)>) -> Result<(), Error> {
+        let mut known: BTreeMap<String, (usize, &str)> = BTreeMap::new();
+        for (index, name) in names {
+            let (key, got, word) = (format!("{list}[{index}].name"), format!("'{name}'"), identifier(name));
+            if word.is_empty() {
+                self.fail(&key, &got, "a name with a letter or a digit")?;
+            }
+            if let Some((first, other)) = known.insert(word.clone(), (index, name)) {
+                let expected = match other == name {
+                    true => format!("a name that is used once; {list}[{first}] has it too"),
+                    false => format!(
+                        "a name with other letters and digits than '{other}' of {list}[{first}]: both are {word} as variables"
+                    ),
+                };
+                return self.fail(&key, got, &expected);
+            }
+        }
+        Ok(())
+    }
+
     /// Refuses two entries of a list with one name.
     pub(crate) fn unique<'a>(&self, list: &str, names: impl Iterator<Item = (usize, &'a str)>) -> Result<(), Error> {
         let mut known = BTreeMap::new();
@@ -112,15 +134,14 @@ impl Scene {
         check.within("gravity[0]", self.gravity[0], -1e6, 1e6)?;
         check.within("gravity[1]", self.gravity[1], -1e6, 1e6)?;
         self.output.validate(name)?;
-        if self.fluid.is_none() && self.structure.is_none() {
-            check.fail("fluid, structure", "none", "at least one of [fluid] and [structure]")?;
+        if self.fluid.is_none() && self.body.is_empty() {
+            check.fail("fluid, body", "none", "at least one of [fluid] and [[body]]")?;
         }
         if let Some(fluid) = &self.fluid {
-            validate_fluid(&check, fluid, self.structure.is_some())?;
+            validate_fluid(&check, fluid, &self.body)?;
         }
-        if let Some(structure) = &self.structure {
-            validate_structure(&check, structure)?;
-        }
+        validate_bodies(&check, &self.body)?;
+        check.keys("integrator", self.integrator.check())?;
         self.coupling.validate(name, self.run.communication_step)?;
         self.watch.validate(name)?;
         validate_checks(&self.check, name)
@@ -172,7 +193,7 @@ impl Coupling {
     }
 }
 
-fn validate_fluid(check: &Checker, fluid: &Fluid, has_body: bool) -> Result<(), Error> {
+fn validate_fluid(check: &Checker, fluid: &Fluid, bodies: &[Body]) -> Result<(), Error> {
     check.positive("fluid.density", fluid.density)?;
     check.positive("fluid.spacing", fluid.spacing)?;
     check.within("fluid.threads", fluid.threads as f64, 0.0, 1024.0)?;
@@ -193,19 +214,32 @@ fn validate_fluid(check: &Checker, fluid: &Fluid, has_body: bool) -> Result<(), 
     for (i, region) in fluid.region.iter().enumerate() {
         check.points(&format!("fluid.region[{i}].polygon"), &region.polygon, 3)?;
     }
-    let carried = fluid.probe.iter().any(|probe| probe.on_body) || fluid.region.iter().any(|region| region.on_body);
-    if carried && !has_body {
-        check.fail("fluid.probe, fluid.region: on_body", "true", "false in a scene without a structure")?;
-    }
     for (i, gauge) in fluid.gauge.iter().enumerate() {
         check.finite_if(&format!("fluid.gauge[{i}].x"), gauge.x)?;
     }
     fluid.probe.iter().enumerate().try_for_each(|(i, probe)| validate_probe(check, i, probe))?;
-    check.unique("fluid.gauge", fluid.gauge.iter().map(|gauge| gauge.name.as_str()).enumerate())?;
-    check.unique("fluid.region", fluid.region.iter().map(|region| region.name.as_str()).enumerate())?;
+    validate_instruments(check, fluid, bodies)
+}
+
+/// Names of what is read from the water, and the bodies that carry it.
+fn validate_instruments(check: &Checker, fluid: &Fluid, bodies: &[Body]) -> Result<(), Error> {
     let labels: Vec<_> = fluid.probe.iter().map(Probe::labels).enumerate().collect();
     let labels = labels.iter().flat_map(|(i, labels)| labels.iter().map(|label| (*i, label.as_str())));
-    check.unique("fluid.probe", labels)
+    check.names("fluid.probe", labels)?;
+    check.names("fluid.gauge", fluid.gauge.iter().map(|gauge| gauge.name.as_str()).enumerate())?;
+    check.names("fluid.region", fluid.region.iter().map(|region| region.name.as_str()).enumerate())?;
+    let probes = fluid.probe.iter().map(|probe| &probe.on_body).enumerate().map(|(i, on)| ("probe", i, on));
+    let regions = fluid.region.iter().map(|region| &region.on_body).enumerate().map(|(i, on)| ("region", i, on));
+    for (list, index, carrier) in probes.chain(regions) {
+        let Some(name) = carrier.as_ref().filter(|name| bodies.iter().all(|body| body.name != **name)) else {
+            continue;
+        };
+        let known: Vec<_> = bodies.iter().map(|body| format!("'{}'", body.name)).collect();
+        let known = if known.is_empty() { "this scene has none".to_string() } else { known.join(", ") };
+        let expected = format!("the name of a body: {known}");
+        check.fail(&format!("fluid.{list}[{index}].on_body"), format!("'{name}'"), &expected)?;
+    }
+    Ok(())
 }
 
 /// What moves the water besides gravity.
@@ -280,65 +314,4 @@ fn validate_probe(check: &Checker, index: usize, probe: &Probe) -> Result<(), Er
             "either `point`, or `from`, `to` and `count`",
         ),
     }
-}
-
-fn validate_structure(check: &Checker, structure: &Structure) -> Result<(), Error> {
-    check.point("structure.origin", structure.origin)?;
-    check.within("structure.angle", structure.angle, -10.0, 10.0)?;
-    check.within("structure.mass", structure.mass, 0.0, LARGEST)?;
-    check.within("structure.inertia", structure.inertia, 0.0, LARGEST)?;
-    let free = |freedom: &Freedom| structure.free.contains(freedom);
-    for (key, value, needed, coordinate) in [
-        ("structure.mass", structure.mass, free(&Freedom::X), "x"),
-        ("structure.mass", structure.mass, free(&Freedom::Y), "y"),
-        ("structure.inertia", structure.inertia, free(&Freedom::Theta), "theta"),
-    ] {
-        if needed && value < SMALLEST {
-            let expected = format!("a number of at least {SMALLEST:e}, since structure.free has {coordinate}");
-            check.fail(key, value, &expected)?;
-        }
-    }
-    for (k, &spring) in structure.springs.iter().enumerate() {
-        check.within(&format!("structure.springs[{k}]"), spring, 0.0, 1e15)?;
-    }
-    check.keys("structure.integrator", structure.integrator.check())?;
-    for (i, wall) in structure.wall.iter().enumerate() {
-        check.points(&format!("structure.wall[{i}].points"), &wall.points, 2)?;
-    }
-    if let Some(contact) = &structure.contact {
-        check.keys("structure.contact", contact.check())?;
-        check.positive("structure.mass", structure.mass)?;
-    }
-    if structure.beam.is_none() && structure.wall.is_empty() && structure.free.is_empty() {
-        check.fail("structure", "empty", "a beam, a wall or a free degree of freedom")?;
-    }
-    let modes = structure.beam.as_ref().map_or(0, |beam| beam.modes);
-    if let Some(beam) = &structure.beam {
-        validate_beam(check, beam)?;
-    }
-    check.within("length of structure.constant_load", structure.constant_load.len() as f64, 0.0, 3.0 + modes as f64)?;
-    check.all_within("structure.constant_load", &structure.constant_load, LARGEST)
-}
-
-fn validate_beam(check: &Checker, beam: &Beam) -> Result<(), Error> {
-    check.point("structure.beam.middle", beam.middle)?;
-    check.positive("structure.beam.length", beam.length)?;
-    check.positive("structure.beam.thickness", beam.thickness)?;
-    if beam.thickness >= beam.length {
-        let expected = format!("less than the length, {} m: a beam is long and thin", six(beam.length));
-        check.fail("structure.beam.thickness", six(beam.thickness), &expected)?;
-    }
-    check.positive("structure.beam.density", beam.density)?;
-    check.positive("structure.beam.youngs_modulus", beam.youngs_modulus)?;
-    check.within("structure.beam.poisson_ratio", beam.poisson_ratio.unwrap_or(0.0), 0.0, 0.5)?;
-    check.within("structure.beam.deflection_limit", beam.deflection_limit(), 1e-6, 1e6)?;
-    check.within("structure.beam.modes", beam.modes as f64, 0.0, 8.0)?;
-    for (i, zeta) in beam.damping.iter().enumerate() {
-        check.within(&format!("structure.beam.damping[{i}]"), *zeta, 0.0, 1.0)?;
-    }
-    check.all_within("structure.beam.initial_modes", &beam.initial_modes, LARGEST)?;
-    for (key, count) in [("damping", beam.damping.len()), ("initial_modes", beam.initial_modes.len())] {
-        check.within(&format!("length of structure.beam.{key}"), count as f64, 0.0, beam.modes as f64)?;
-    }
-    Ok(())
 }

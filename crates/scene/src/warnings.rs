@@ -1,6 +1,6 @@
 //! What a valid scene probably does not mean: said before a run, which goes on.
 
-use crate::{Beam, Fluid, Point, Scene, Structure, Support};
+use crate::{Body, Fluid, Member, Point, Scene, Support};
 use digits::{list, six};
 
 /// Distance of a clamped end from the nearest wall, over the spacing and over the thickness, up to which it counts as
@@ -10,31 +10,37 @@ const REACH: f64 = 1.0;
 impl Scene {
     /// What a user should know of this scene before it runs.
     pub fn warnings(&self) -> Vec<String> {
-        let (Some(fluid), Some(structure)) = (&self.fluid, &self.structure) else { return Vec::new() };
-        let ends = structure.beam.iter().flat_map(|beam| ends_in_mid_air(fluid, structure, beam));
-        ends.chain(smaller_than_a_spacing(fluid, structure)).collect()
+        let Some(fluid) = &self.fluid else { return Vec::new() };
+        let of_body = |(index, body): (usize, &Body)| {
+            let members = body.member.iter().enumerate();
+            let ends = members
+                .flat_map(|(at, member)| ends_in_mid_air(fluid, body, member, &format!("body[{index}].member[{at}]")));
+            ends.chain(smaller_than_a_spacing(fluid, body, index)).collect::<Vec<_>>()
+        };
+        self.body.iter().enumerate().flat_map(of_body).collect()
     }
 }
 
-/// Clamped ends of the beam that no wall is near to.
-fn ends_in_mid_air(fluid: &Fluid, structure: &Structure, beam: &Beam) -> Vec<String> {
-    let reach = REACH * fluid.spacing.max(beam.thickness);
-    let clamped: &[f64] = match beam.support {
+/// Clamped ends of a member that no wall is near to; `key` is that of the member.
+fn ends_in_mid_air(fluid: &Fluid, body: &Body, member: &Member, key: &str) -> Vec<String> {
+    let reach = REACH * fluid.spacing.max(member.thickness);
+    let clamped: &[f64] = match member.support {
         Support::ClampedFree => &[-0.5],
         Support::FixedFixed => &[-0.5, 0.5],
     };
-    let place = |share: &f64| [beam.middle[0], beam.middle[1] + share * beam.length];
+    let place = |share: &f64| [member.middle[0], member.middle[1] + share * member.length];
     let held = |point: Point| {
-        let own = structure.wall.iter().any(|wall| distance(&wall.points, wall.closed, point) <= reach);
-        let fixed = |wall: &crate::Wall| distance(&wall.points, wall.closed, in_the_scene(structure, point)) <= reach;
+        let own = body.wall.iter().any(|wall| distance(&wall.points, wall.closed, point) <= reach);
+        let fixed = |wall: &crate::Wall| distance(&wall.points, wall.closed, body.in_the_scene(point)) <= reach;
         own || fluid.wall.iter().any(fixed)
     };
     let floating = clamped.iter().map(place).filter(|point| !held(*point));
     floating
         .map(|point| {
             format!(
-                "structure.beam: its clamped end at {} m touches no wall, expected one within {} m: it is held in mid-air",
-                list(&in_the_scene(structure, point)),
+                "{key} '{}': its clamped end at {} m touches no wall, expected one within {} m: it is held in mid-air",
+                member.name,
+                list(&body.in_the_scene(point)),
                 six(reach)
             )
         })
@@ -42,29 +48,25 @@ fn ends_in_mid_air(fluid: &Fluid, structure: &Structure, beam: &Beam) -> Vec<Str
 }
 
 /// A body that lies between the particles.
-fn smaller_than_a_spacing(fluid: &Fluid, structure: &Structure) -> Option<String> {
-    let mut points: Vec<Point> = structure.wall.iter().flat_map(|wall| wall.points.iter().copied()).collect();
-    if let Some(beam) = &structure.beam {
-        let [x, y] = beam.middle;
-        let (width, height) = (0.5 * beam.thickness, 0.5 * beam.length);
+fn smaller_than_a_spacing(fluid: &Fluid, body: &Body, index: usize) -> Option<String> {
+    let mut points: Vec<Point> = body.wall.iter().flat_map(|wall| wall.points.iter().copied()).collect();
+    for member in &body.member {
+        let [x, y] = member.middle;
+        let (width, height) = (0.5 * member.thickness, 0.5 * member.length);
         points.extend([[x - width, y - height], [x + width, y + height]]);
     }
     let [width, height] = crate::validate::extent(&points);
     let small = !points.is_empty() && width.max(height) < fluid.spacing;
     small.then(|| {
         format!(
-            "structure: {} x {} m, smaller than fluid.spacing = {} m: the water hardly sees it; take a smaller spacing",
+            "body[{index}] '{}': {} x {} m, smaller than fluid.spacing = {} m: the water hardly sees it; take a smaller \
+             spacing",
+            body.name,
             six(width),
             six(height),
             six(fluid.spacing)
         )
     })
-}
-
-/// A point of the body frame in the frame of the scene, as the body stands at the start \[m\].
-fn in_the_scene(structure: &Structure, [x, y]: Point) -> Point {
-    let (sin, cos) = structure.angle.sin_cos();
-    [structure.origin[0] + x * cos - y * sin, structure.origin[1] + x * sin + y * cos]
 }
 
 /// Distance of a point from a polyline \[m\].
@@ -87,7 +89,7 @@ mod tests {
     /// A plate of 0.12 m that stands on the floor of a tank at x = 0.6.
     const SCENE: &str = "title = 'plate'\n[run]\nend = 1.0\ncommunication_step = 0.01\n[fluid]\nspacing = 0.02\n\
         water = [{ polygon = [[0,0],[0.3,0],[0.3,0.25],[0,0.25]] }]\n\
-        wall = [{ points = [[0,0.8],[0,0],[1,0],[1,0.8]] }]\n[structure]\n[structure.beam]\nsupport = 'clamped_free'\n\
+        wall = [{ points = [[0,0.8],[0,0],[1,0],[1,0.8]] }]\n[[body]]\nname = 'base'\n[[body.member]]\nname = 'plate'\nsupport = 'clamped_free'\n\
         middle = [0.6, 0.06]\nlength = 0.12\nthickness = 0.01\ndensity = 1e3\nyoungs_modulus = 1e6\nmodes = 2\n";
 
     fn warned(from: &str, to: &str) -> Vec<String> {
@@ -110,8 +112,8 @@ mod tests {
         assert!(upper.len() == 1 && upper[0].contains("[0.6, 0.12]"), "{upper:?}");
         // Where the body stands and how it is turned counts: the same place by another way.
         let turned = |x: &str| {
-            let origin = format!("[structure]\norigin = [{x}, 0.0]\nangle = 1.5707963267948966\n");
-            let text = SCENE.replace("[structure]\n", &origin).replace("[0.6, 0.06]", "[0.3, -0.28]");
+            let origin = format!("name = 'base'\norigin = [{x}, 0.0]\nangle = 1.5707963267948966\n");
+            let text = SCENE.replace("name = 'base'\n", &origin).replace("[0.6, 0.06]", "[0.3, -0.28]");
             Scene::from_str(&text, "plate.toml").unwrap().warnings()
         };
         assert!(turned("0.66").is_empty(), "on the wall at x = 1");
@@ -124,7 +126,7 @@ mod tests {
         let small = warned("length = 0.12\nthickness = 0.01", "length = 0.015\nthickness = 0.01");
         assert!(small.iter().any(|text| text.contains("0.01 x 0.015 m, smaller than fluid.spacing")), "{small:?}");
         let thick = Scene::from_str(&SCENE.replace("thickness = 0.01", "thickness = 0.12"), "plate.toml").unwrap_err();
-        let expected = "plate.toml, line 14: structure.beam.thickness = 0.12: expected less than the length, 0.12 m";
+        let expected = "plate.toml, line 16: body[0].member[0].thickness = 0.12: expected less than the length, 0.12 m";
         assert!(thick.to_string().contains(expected), "{thick}");
     }
 }

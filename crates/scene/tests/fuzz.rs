@@ -93,7 +93,7 @@ const PIECES: &[&str] = &[
     "\\",
     "[fluid]\n",
     "[[fluid]]\n",
-    "[structure]\n",
+    "[[body]]\n",
     "[[check]]\n",
     "[run]\n",
     "spacing = 0.1\n",
@@ -188,7 +188,7 @@ fn paths(value: &Value, path: &str, found: &mut Vec<String>) {
 
 /// A part of a key path that may or may not be there.
 const PARTS: &[&str] =
-    &["fluid", "structure", "beam", "0", "1", "-1", "99999999999999999999", "", " ", "parameters", "é", "'a'"];
+    &["fluid", "body", "member", "0", "1", "-1", "99999999999999999999", "", " ", "parameters", "é", "'a'"];
 
 proptest! {
     #![proptest_config(fuzzing::config(6000))]

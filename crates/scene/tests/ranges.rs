@@ -31,7 +31,8 @@ region = [{ name = "r", polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]] }]
 voronoi = { alpha = 0.01, courant = 0.4, shifting = 1.0, repulsion = 20.0, spreading = 30.0, smoothing = 1.0, enclosed_pressure = 0.0 }
 mps = { influence_radius = 3.1, alpha = 0.01, courant = 0.2, shifting = 0.03, collision_distance = 0.8, restitution = 0.2, surface_deviation = 0.2 }
 solve = { tolerance = 1e-3, maximum_iterations = 100 }
-[structure]
+[[body]]
+name = "cabin"
 origin = [0.5, 0.6]
 angle = 0.1
 free = ["x", "theta"]
@@ -41,11 +42,8 @@ springs = [1.0, 2.0, 3.0]
 wall = [{ points = [[-0.1, 0.0], [0.1, 0.0]] }]
 constant_load = [1.0, 0.0]
 contact = { depth = 1e-3, damping = 1.0 }
-[structure.integrator]
-rho_infinity = 0.8
-beta = 0.25
-gamma = 0.5
-[structure.beam]
+[[body.member]]
+name = "bulkhead"
 support = "clamped_free"
 middle = [0.0, 0.1]
 length = 0.1
@@ -57,6 +55,10 @@ deflection_limit = 0.2
 modes = 2
 damping = [0.01]
 initial_modes = [0.1]
+[integrator]
+rho_infinity = 0.8
+beta = 0.25
+gamma = 0.5
 [coupling]
 relaxation = 0.2
 tolerance_relative = 1e-6
@@ -127,27 +129,27 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("fluid.solve.tolerance", &["-1e-9", "0.11"], &["0", "0.1"]),
     ("fluid.solve.maximum_iterations", &["-1", "0", "1000001"], &["1", "1000000"]),
     ("fluid.probe.1.count", &["-1", "0", "1001", "9000000000000000000"], &["1", "1000"]),
-    ("structure.springs.0", &["-1", "1.1e15"], &["0", "1e15"]),
-    ("structure.springs.1", &["-1"], &["0"]),
-    ("structure.springs.2", &["-1"], &["0"]),
-    ("structure.angle", &["-10.1", "10.1"], &["-10", "10"]),
-    ("structure.mass", &["-1", "0", "1.1e15"], &["1e-3"]),
-    ("structure.inertia", &["-1", "0", "1.1e15"], &["1e-3"]),
-    ("structure.constant_load.0", &["-1.1e15", "1.1e15"], &["-1e15", "1e15"]),
-    ("structure.integrator.rho_infinity", &["-0.01", "1.01"], &["0", "1"]),
-    ("structure.integrator.beta", &["0.009", "1.01"], &["0.01", "1"]),
-    ("structure.integrator.gamma", &["0.49", "1.01"], &["0.5", "1"]),
-    ("structure.beam.length", &["-1", "0", "1e-16", "1.1e15"], &["0.011"]),
-    ("structure.beam.thickness", &["-1", "0", "0.1", "1e-16", "1.1e15"], &["1e-3", "0.099"]),
-    ("structure.beam.density", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
-    ("structure.beam.youngs_modulus", &["-1", "0", "1.1e15"], &["1e-3", "210000000000"]),
-    ("structure.beam.poisson_ratio", &["-0.01", "0.51"], &["0", "0.5"]),
-    ("structure.contact.depth", &["0.0", "2.0"], &["1e-9", "1.0"]),
-    ("structure.contact.damping", &["-1.0", "inf"], &["0.0"]),
-    ("structure.beam.deflection_limit", &["0.0", "inf"], &["1e-6", "1e6"]),
-    ("structure.beam.modes", &["-1", "9"], &["1", "8"]),
-    ("structure.beam.damping.0", &["-0.01", "1.01"], &["0", "1"]),
-    ("structure.beam.initial_modes.0", &["-1.1e15", "1.1e15"], &["-1e15", "1e15"]),
+    ("body.0.springs.0", &["-1", "1.1e15"], &["0", "1e15"]),
+    ("body.0.springs.1", &["-1"], &["0"]),
+    ("body.0.springs.2", &["-1"], &["0"]),
+    ("body.0.angle", &["-10.1", "10.1"], &["-10", "10"]),
+    ("body.0.mass", &["-1", "0", "1.1e15"], &["1e-3"]),
+    ("body.0.inertia", &["-1", "0", "1.1e15"], &["1e-3"]),
+    ("body.0.constant_load.0", &["-1.1e15", "1.1e15"], &["-1e15", "1e15"]),
+    ("integrator.rho_infinity", &["-0.01", "1.01"], &["0", "1"]),
+    ("integrator.beta", &["0.009", "1.01"], &["0.01", "1"]),
+    ("integrator.gamma", &["0.49", "1.01"], &["0.5", "1"]),
+    ("body.0.member.0.length", &["-1", "0", "1e-16", "1.1e15"], &["0.011"]),
+    ("body.0.member.0.thickness", &["-1", "0", "0.1", "1e-16", "1.1e15"], &["1e-3", "0.099"]),
+    ("body.0.member.0.density", &["-1", "0", "1e-16", "1.1e15"], &["1e-3"]),
+    ("body.0.member.0.youngs_modulus", &["-1", "0", "1.1e15"], &["1e-3", "210000000000"]),
+    ("body.0.member.0.poisson_ratio", &["-0.01", "0.51"], &["0", "0.5"]),
+    ("body.0.contact.depth", &["0.0", "2.0"], &["1e-9", "1.0"]),
+    ("body.0.contact.damping", &["-1.0", "inf"], &["0.0"]),
+    ("body.0.member.0.deflection_limit", &["0.0", "inf"], &["1e-6", "1e6"]),
+    ("body.0.member.0.modes", &["-1", "21"], &["1", "20"]),
+    ("body.0.member.0.damping.0", &["-0.01", "1.01"], &["0", "1"]),
+    ("body.0.member.0.initial_modes.0", &["-1.1e15", "1.1e15"], &["-1e15", "1e15"]),
     ("coupling.relaxation", &["-1", "0", "1.01"], &["1e-6", "1"]),
     ("coupling.tolerance_relative", &["-1e-9", "1.01"], &["0", "1"]),
     ("coupling.tolerance_absolute", &["-1e-9"], &["0", "1e9"]),
@@ -263,12 +265,12 @@ fn lists_that_are_too_short_or_too_long() {
         ("fluid.region.0.polygon", "[]", &["fluid.region[0].polygon = 0 points", "at least 3"]),
         ("fluid.probe.0", "{ name = 'n' }", &["fluid.probe[0]", "`point`, or `from`"]),
         ("fluid.probe.1.point", "[0,0]", &["fluid.probe[1]", "either"]),
-        ("structure.wall.0.points", "[[0,0]]", &["structure.wall[0].points = 1 points"]),
-        ("structure.constant_load", "[0,0,0,0,0,6]", &["structure.constant_load = 6", "from 0 to 5"]),
-        ("structure.beam.damping", "[0,0,0]", &["structure.beam.damping = 3", "from 0 to 2"]),
-        ("structure.beam.initial_modes", "[0,0,0]", &["structure.beam.initial_modes = 3", "from 0 to 2"]),
+        ("body.0.wall.0.points", "[[0,0]]", &["body[0].wall[0].points = 1 points"]),
+        ("body.0.constant_load", "[0,0,0,0,0,6]", &["body[0].constant_load = 6", "from 0 to 5"]),
+        ("body.0.member.0.damping", "[0,0,0]", &["body[0].member[0].damping = 3", "from 0 to 2"]),
+        ("body.0.member.0.initial_modes", "[0,0,0]", &["body[0].member[0].initial_modes = 3", "from 0 to 2"]),
         ("fluid.scheme", "voronoy", &["fluid.scheme=voronoy", "did you mean `voronoi`"]),
-        ("structure.free", "['z']", &["unknown word `z`"]),
+        ("body.0.free", "['z']", &["unknown word `z`"]),
         ("fluid.spacing.deep", "1", &["fluid.spacing.deep=1", "no table"]),
         ("fluid.water.7.polygon", "[]", &["`7`", "below 1"]),
         ("fluid..spacing", "1", &["a key is empty"]),
@@ -282,7 +284,7 @@ fn lists_that_are_too_short_or_too_long() {
     assert!(message.contains("tolerance_relative, tolerance_absolute = 0, 0"), "{message}");
     let nothing = "title = 'n'\n[run]\nend = 1.0\ncommunication_step = 0.1\n";
     let message = Scene::from_str(nothing, "n.toml").unwrap_err().to_string();
-    assert!(message.contains("at least one of [fluid] and [structure]"), "{message}");
+    assert!(message.contains("at least one of [fluid] and [[body]]"), "{message}");
 }
 
 /// Points, vectors and the lists of three springs have as many entries as they need, no more and no less.
@@ -298,9 +300,9 @@ fn lists_of_a_fixed_length() {
         ("fluid.wall.0.points.3", "[1, 1, 0]", "fluid.wall[0].points[3]", 3, 2),
         ("fluid.probe.0.point", "[0, 0.1, 0]", "fluid.probe[0].point", 3, 2),
         ("fluid.region.0.polygon.2", "[1, 0.5, 0]", "fluid.region[0].polygon[2]", 3, 2),
-        ("structure.origin", "[0.5, 0.6, 0]", "structure.origin", 3, 2),
-        ("structure.springs", "[1, 2, 3, 4]", "structure.springs", 4, 3),
-        ("structure.beam.middle", "[0, 0.1, 0]", "structure.beam.middle", 3, 2),
+        ("body.0.origin", "[0.5, 0.6, 0]", "body[0].origin", 3, 2),
+        ("body.0.springs", "[1, 2, 3, 4]", "body[0].springs", 4, 3),
+        ("body.0.member.0.middle", "[0, 0.1, 0]", "body[0].member[0].middle", 3, 2),
         ("check.0.points.0", "[0, 1, 2]", "check[0].points[0]", 3, 2),
     ] {
         let message = with(key, value).expect_err(&format!("{key}={value} is accepted"));
@@ -311,12 +313,12 @@ fn lists_of_a_fixed_length() {
     let springs = SCENE.replace("springs = [1.0, 2.0, 3.0]", "springs = [\n  1.0, 2.0, 3.0,\n  4.0,\n]");
     let line = 1 + SCENE[..SCENE.find("springs").unwrap()].matches('\n').count();
     let message = Scene::from_str(&springs, "all.toml").unwrap_err().to_string();
-    assert_eq!(message, format!("all.toml, line {line}: structure.springs has 4 entries, expected 3"));
+    assert_eq!(message, format!("all.toml, line {line}: body[0].springs has 4 entries, expected 3"));
     let short = SCENE.replace("origin = [0.5, 0.6]", "origin = [0.5]");
     let line = 1 + SCENE[..SCENE.find("origin").unwrap()].matches('\n').count();
     let message = Scene::from_str(&short, "all.toml").unwrap_err().to_string();
     assert!(
-        message.starts_with(&format!("all.toml, line {line}: structure.origin: got a list of 1, expected")),
+        message.starts_with(&format!("all.toml, line {line}: body[0].origin: got a list of 1, expected")),
         "{message}"
     );
 }
@@ -343,6 +345,22 @@ fn names_are_used_once() {
             "[{ name = 'r', polygon = [[0, 0], [1, 0], [1, 1]] }, { name = 'r', polygon = [[0, 0], [1, 0], [1, 1]] }]",
             "fluid.region[1].name = 'r'",
         ),
+        (
+            "fluid.gauge",
+            "[{ name = 'in front', x = 1 }, { name = 'in_front', x = 2 }]",
+            "expected a name with other letters and digits than 'in front' of fluid.gauge[0]: both are in_front as",
+        ),
+        (
+            "fluid.gauge",
+            "[{ name = '--', x = 1 }]",
+            "fluid.gauge[0].name = '--': expected a name with a letter or a digit",
+        ),
+        ("body.0.name", "''", "body[0].name = '': expected a name with a letter or a digit"),
+        (
+            "fluid.probe.0.on_body",
+            "'cabbin'",
+            "fluid.probe[0].on_body = 'cabbin': expected the name of a body: 'cabin'",
+        ),
     ] {
         let message = with(key, value).expect_err(&format!("{key}={value} is accepted"));
         assert!(message.contains(words), "{message}: expected {words}");
@@ -362,16 +380,16 @@ fn mass_and_inertia_are_needed_where_they_move() {
     freed(r#"free = ["theta"]"#, "mass").unwrap();
     freed("free = []", "mass").unwrap();
     let message = freed(r#"free = ["y"]"#, "mass").unwrap_err();
-    assert!(message.contains("structure.mass = 0") && message.contains("structure.free has y"), "{message}");
+    assert!(message.contains("body[0].mass = 0") && message.contains("body[0].free has y"), "{message}");
     let message = freed(r#"free = ["x", "theta"]"#, "inertia").unwrap_err();
-    assert!(message.contains("structure.inertia = 0") && message.contains("structure.free has theta"), "{message}");
+    assert!(message.contains("body[0].inertia = 0") && message.contains("body[0].free has theta"), "{message}");
 }
 
 /// A whole number of more than 32 bits is as good as any other, in a file and in a change.
 #[test]
 fn large_whole_numbers_are_numbers() {
-    let modulus = |scene: Scene| scene.structure.unwrap().beam.unwrap().youngs_modulus;
-    assert_eq!(modulus(with("structure.beam.youngs_modulus", "210000000000").unwrap()), 2.1e11);
+    let modulus = |scene: Scene| scene.body[0].member[0].youngs_modulus;
+    assert_eq!(modulus(with("body.0.member.0.youngs_modulus", "210000000000").unwrap()), 2.1e11);
     let text = SCENE.replace("youngs_modulus = 1e6", "youngs_modulus = 210000000000");
     assert_eq!(modulus(Scene::from_str(&text, "all.toml").unwrap()), 2.1e11);
 }

@@ -93,7 +93,7 @@ pub enum Error {
     /// A deflection beyond which the beam is no longer linear.
     #[error(
         "the beam deflects by {} m along +x of the body at {} m along it at t = {} s, beyond {} m, up to which it counts as \
-         linear; use a stiffer beam, or raise structure.beam.deflection_limit knowing that stretching and rotation are left out",
+         linear; use a stiffer beam, or raise its `deflection_limit` knowing that stretching and rotation are left out",
         six(*deflection), six(*station), six(*time), six(limit.copysign(*deflection))
     )]
     Deflection {

@@ -10,7 +10,7 @@ use crate::progress::Style;
 use crate::scene_case::{self, Places};
 use crate::target::Target;
 use crate::{answer, in_process, job, run, tell};
-use components::memory;
+use components::{Interface, memory};
 use report::checks;
 use report::{self, SetUp};
 use scene::Scene;
@@ -87,8 +87,7 @@ fn set_up(scene: &Scene, target: &Target, overrides: &[(String, String)]) -> Res
         fmu.parameters.retain(|name, _| !name.starts_with("output_"));
     }
     checks::refuse_outside(&case.check, &target.references)?;
-    let modes = scene.modes().max(components::DEFAULT_MODES);
-    let participants = in_process::participants(&case, modes, &Log::to_terminal(Style::Bar))?;
+    let participants = in_process::participants(&case, &Interface::of(scene), &Log::to_terminal(Style::Bar))?;
     let mut warnings = job::warnings(&case, Some(scene), &target.references);
     warnings.extend(run::set_up(&case, participants)?.1);
     warnings.iter().for_each(|warning| tell!("warning: {warning}"));

@@ -14,6 +14,7 @@ use crate::run::Outcome;
 use crate::scene_case::{self, Places};
 use crate::target::Target;
 use crate::{answer, fmu, tell};
+use components::Interface;
 use report::checks;
 use report::{Short, number};
 use scene::Scene;
@@ -161,12 +162,12 @@ fn execute_target(
 /// FMUs that a run needs, not packed yet.
 struct Packing {
     folder: PathBuf,
-    modes: usize,
+    interface: Interface,
 }
 
 impl Packing {
     fn pack(&self, style: Style) -> Result<(), Failure> {
-        for packed in pack::pack_for_run(&self.folder, self.modes)? {
+        for packed in pack::pack_interface(&self.folder, &self.interface)? {
             if packed.written && style == Style::Bar {
                 tell!("packed {}", packed.path.display());
             }
@@ -179,13 +180,13 @@ fn scene_job(target: &Target, folder: PathBuf, arguments: &RunArguments) -> Resu
     let overrides = target.overrides()?;
     let scene = Scene::from_file_with(&target.path, &overrides)?;
     components::memory::check_run(&scene)?;
-    let modes = scene.modes().max(components::DEFAULT_MODES);
-    let fmus = pack::fmus_folder(modes, &folder);
+    let interface = Interface::of(&scene);
+    let fmus = pack::fmus_folder(&interface, &folder)?;
     let frames = std::path::absolute(folder.join("frames"))?;
     if frames.to_str().is_none() {
         return Err(format!("{}: no UTF-8, which is all that an FMU takes for a path", frames.display()).into());
     }
-    let packing = Packing { folder: fmus.clone(), modes };
+    let packing = Packing { folder: fmus.clone(), interface };
     let places = Places { scene: std::path::absolute(&target.path)?, fmus, frames };
     let case = scene_case::case(&scene, &overrides, arguments.threads, &places);
     let inputs = toml::to_string(&scene.for_resuming())?;

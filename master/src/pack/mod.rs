@@ -5,8 +5,9 @@ mod documentation;
 mod places;
 pub mod ssp;
 
-use components::{FluidComponent, StructureComponent};
+use components::{DEFAULT_SCENE, FluidComponent, INTERFACE_FILE, Interface, OWN_SCENE, StructureComponent};
 use fmi2::{Component, Model, describe};
+use scene::Scene;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -69,49 +70,80 @@ pub struct Packed {
     pub size: usize,
 }
 
-/// Modes that the FMUs of this program can be packed with.
-pub fn modes_range() -> std::ops::RangeInclusive<usize> {
-    let (fluid, structure) = (FluidComponent::variants(), StructureComponent::variants());
-    *fluid.start().max(structure.start())..=*fluid.end().min(structure.end())
+/// Packs both FMUs for no scene into `folder`, with the program's scenes, where their content differs from what is there.
+///
+/// # Errors
+/// What is missing, or a file that cannot be written.
+pub fn pack(folder: &Path) -> Result<Vec<Packed>, Error> {
+    let scenes = scene_files(&scenes_folder()?)?.into_iter().map(|(name, content)| (format!("scenes/{name}"), content));
+    let interface = Interface::of_resources(None)
+        .map_err(|error| Error::Description { model: DEFAULT_SCENE.to_string(), reason: error.to_string() })?;
+    write_all(folder, archives(&interface, &Parts::BOTH, &scenes.collect::<Vec<_>>())?)
 }
 
-/// Packs both FMUs with this number of modes into `folder`, where their content differs from what is there.
-pub fn pack(folder: &Path, modes: usize) -> Result<Vec<Packed>, Error> {
-    pack_with(folder, modes, &scene_files(&scenes_folder()?)?)
+/// Packs the FMUs that a scene has into `folder`, with its variables and the scene itself.
+///
+/// # Errors
+/// What is missing, or a file that cannot be written.
+pub fn pack_scene(folder: &Path, scene: &Scene) -> Result<Vec<Packed>, Error> {
+    let text = toml::to_string(scene).map_err(|error| Error::file(folder, error))?;
+    let interface = Interface::of(scene);
+    let resources = vec![interface_file(&interface), (OWN_SCENE.to_string(), text.into_bytes())];
+    let parts = Parts { fluid: scene.fluid.is_some(), structure: !scene.body.is_empty() };
+    write_all(folder, archives(&interface, &parts, &resources)?)
 }
 
-/// The same for a run, whose scene is a file: a program that is installed without its scenes packs none.
-pub fn pack_for_run(folder: &Path, modes: usize) -> Result<Vec<Packed>, Error> {
-    let scenes = scenes_folder().map_or_else(|_| Ok(Vec::new()), |scenes| scene_files(&scenes))?;
-    pack_with(folder, modes, &scenes)
+/// Packs both FMUs with an interface for a run, whose scene is a file.
+///
+/// # Errors
+/// What is missing, or a file that cannot be written.
+pub fn pack_interface(folder: &Path, interface: &Interface) -> Result<Vec<Packed>, Error> {
+    write_all(folder, archives(interface, &Parts::BOTH, &[interface_file(interface)])?)
 }
 
-fn pack_with(folder: &Path, modes: usize, scenes: &[(String, Vec<u8>)]) -> Result<Vec<Packed>, Error> {
+fn write_all(folder: &Path, archives: Vec<(String, Vec<u8>)>) -> Result<Vec<Packed>, Error> {
     std::fs::create_dir_all(folder).map_err(|error| Error::file(folder, error))?;
-    archives(modes, scenes, Vec::new())?.iter().map(|(name, bytes)| write(&folder.join(name), bytes)).collect()
+    archives.iter().map(|(name, bytes)| write(&folder.join(name), bytes)).collect()
 }
 
-/// Names and contents of both FMUs. `own` resources are packed besides the program's scenes, or in place of those with
-/// the same name.
+/// The resource in which an FMU finds its interface.
+fn interface_file(interface: &Interface) -> (String, Vec<u8>) {
+    (INTERFACE_FILE.to_string(), interface.to_text().into_bytes())
+}
+
+/// Which FMUs there are to pack.
+struct Parts {
+    fluid: bool,
+    structure: bool,
+}
+
+impl Parts {
+    const BOTH: Self = Self { fluid: true, structure: true };
+}
+
+/// Names and contents of the FMUs, with these resources.
 fn archives(
-    modes: usize,
-    scenes: &[(String, Vec<u8>)],
-    own: Vec<(String, Vec<u8>)>,
+    interface: &Interface,
+    parts: &Parts,
+    resources: &[(String, Vec<u8>)],
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    let mut scenes: Vec<_> = scenes.iter().map(|(name, content)| (format!("scenes/{name}"), content.clone())).collect();
-    scenes.retain(|(name, _)| own.iter().all(|(other, _)| other != name));
-    scenes.extend(own);
-    let fluid = FluidComponent::model(modes);
-    let structure = StructureComponent::model(modes);
-    let packed = [
-        ("fluid.fmu", archive(&fluid, "fluid_fmu", documentation::FLUID, &scenes)?),
-        ("structure.fmu", archive(&structure, "structure_fmu", documentation::STRUCTURE, &scenes)?),
-    ];
-    Ok(packed.map(|(name, bytes)| (name.to_string(), bytes)).into())
+    let mut packed = Vec::new();
+    if parts.fluid {
+        let model = FluidComponent::model(interface);
+        packed.push(("fluid.fmu".to_string(), archive(&model, "fluid_fmu", documentation::FLUID, resources)?));
+    }
+    if parts.structure {
+        let model = StructureComponent::model(interface);
+        packed.push((
+            "structure.fmu".to_string(),
+            archive(&model, "structure_fmu", documentation::STRUCTURE, resources)?,
+        ));
+    }
+    Ok(packed)
 }
 
 /// Name and kind (`input` or `output`) of the real variables that can be connected of an FMU of this program.
-fn reals(name: &str, modes: usize) -> Vec<(String, &'static str)> {
+fn reals(name: &str, interface: &Interface) -> Vec<(String, &'static str)> {
     fn list<C>(model: &Model<C>) -> Vec<(String, &'static str)> {
         let real = |variable: &&fmi2::Variable<C>| matches!(variable.access, fmi2::Access::Real { .. });
         let connectable = model.variables.iter().filter(real).filter_map(|variable| match variable.causality {
@@ -122,17 +154,17 @@ fn reals(name: &str, modes: usize) -> Vec<(String, &'static str)> {
         connectable.collect()
     }
     match name {
-        crate::scene_case::FLUID => list(&FluidComponent::model(modes)),
-        _ => list(&StructureComponent::model(modes)),
+        crate::scene_case::FLUID => list(&FluidComponent::model(interface)),
+        _ => list(&StructureComponent::model(interface)),
     }
 }
 
-/// The bytes of an FMU: description, binary, scenes, documentation and licences.
+/// The bytes of an FMU: description, binary, resources, documentation and licences.
 fn archive<C: Component>(
     model: &Model<C>,
     library_name: &str,
     equations: &str,
-    scenes: &[(String, Vec<u8>)],
+    resources: &[(String, Vec<u8>)],
 ) -> Result<Vec<u8>, Error> {
     let path = library(library_name)?;
     let binary = std::fs::read(&path).map_err(|error| Error::file(&path, error))?;
@@ -147,7 +179,7 @@ fn archive<C: Component>(
     entries.extend(
         LICENCES.iter().map(|(name, text)| (format!("documentation/licenses/{name}"), text.as_bytes().to_vec())),
     );
-    entries.extend(scenes.iter().map(|(name, content)| (format!("resources/{name}"), content.clone())));
+    entries.extend(resources.iter().map(|(name, content)| (format!("resources/{name}"), content.clone())));
     zipped(entries).map_err(|error| Error::file(Path::new(model.identifier), error))
 }
 
@@ -211,7 +243,7 @@ mod tests {
 
     #[test]
     fn documentation_lists_every_variable() {
-        let model = FluidComponent::model(3);
+        let model = FluidComponent::model(&Interface::of_resources(None).unwrap());
         let page = documentation::page(&model, documentation::FLUID);
         assert!(model.variables.iter().all(|variable| page.contains(&variable.name)));
         assert!(page.contains("N/m") && !page.contains("<td></td><td></td><td></td>"));

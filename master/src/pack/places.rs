@@ -1,6 +1,8 @@
 //! Where the build leaves shared libraries, and where scenes are.
 
 use super::Error;
+use components::{FluidComponent, Interface};
+use fmi2::{Component, describe};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
 
@@ -24,13 +26,19 @@ pub fn program_folder() -> PathBuf {
     program.parent().map_or_else(PathBuf::new, Path::to_path_buf)
 }
 
-/// Where a run finds FMUs with this number of modes, or packs them: beside the program, or with its results where an
-/// installed program cannot write beside itself.
-pub fn fmus_folder(modes: usize, results: &Path) -> PathBuf {
-    let name = format!("fmus-{modes}-modes");
+/// Where a run finds FMUs with this interface, or packs them: beside the program, or with its results where an installed
+/// program cannot write beside itself.
+///
+/// # Errors
+/// An interface that makes no description.
+pub fn fmus_folder(interface: &Interface, results: &Path) -> Result<PathBuf, Error> {
+    let guid = describe::guid(&FluidComponent::model(interface));
+    let guid = guid.map_err(|failure| Error::Description { model: "fluid".to_string(), reason: failure.message })?;
+    // Eight digits of it are short enough for a path and tell what a folder ever sees apart.
+    let name = format!("fmus-{}", &guid.simple().to_string()[..8]);
     let beside = program_folder().join(&name);
     let writable = std::fs::create_dir_all(&beside).is_ok() && tempfile::tempfile_in(&beside).is_ok();
-    if writable { beside } else { results.join(name) }
+    Ok(if writable { beside } else { results.join(name) })
 }
 
 /// The nearest folder `scenes` in or above the working directory, else in or above the program's folder.

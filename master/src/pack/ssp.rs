@@ -1,8 +1,9 @@
 //! A coupled system as a System Structure Package (SSP 1.0): both FMUs, their connections and one named parameter set
 //! each, for masters that import such packages.
 
-use super::{Error, LICENCES, archives, write, zipped};
+use super::{Error, LICENCES, Parts, archives, interface_file, write, zipped};
 use crate::case::{Case, Fmu};
+use components::Interface;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use scene::Scene;
@@ -31,18 +32,19 @@ pub struct System<'a> {
 
 /// Writes the package; returns its size in bytes.
 pub fn write_package(path: &Path, system: &System) -> Result<usize, Error> {
-    let modes = system.scene.modes().max(components::DEFAULT_MODES);
+    let interface = Interface::of(system.scene);
     // The scene with its changes is what the FMUs start with; its text is there by name, for the parameter sets.
     let changed = toml::to_string(system.scene).map_err(|error| Error::file(path, error))?;
-    let own = vec![
+    let resources = [
+        interface_file(&interface),
         (components::OWN_SCENE.to_string(), changed.into_bytes()),
         (format!("scenes/{}.toml", system.name), system.text.as_bytes().to_vec()),
     ];
-    let description = description(system, modes).map_err(|error| Error::file(path, error))?;
+    let description = description(system, &interface).map_err(|error| Error::file(path, error))?;
     let values = loose_values(system).map_err(|error| Error::file(path, error))?;
     let mut entries =
         vec![("SystemStructure.ssd".to_string(), description), (format!("resources/{}.ssv", system.name), values)];
-    let packed = archives(modes, &super::scene_files(&super::scenes_folder()?)?, own)?;
+    let packed = archives(&interface, &Parts::BOTH, &resources)?;
     let used = |name: &str| system.case.fmu.iter().any(|fmu| format!("{}.fmu", fmu.name) == name);
     entries.extend(
         packed.into_iter().filter(|(name, _)| used(name)).map(|(name, bytes)| (format!("resources/{name}"), bytes)),
@@ -53,7 +55,7 @@ pub fn write_package(path: &Path, system: &System) -> Result<usize, Error> {
 }
 
 /// SystemStructure.ssd.
-fn description(system: &System, modes: usize) -> io::Result<Vec<u8>> {
+fn description(system: &System, interface: &Interface) -> io::Result<Vec<u8>> {
     let mut writer = Writer::new_with_indent(Cursor::new(Vec::new()), b' ', 2);
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     writer
@@ -68,7 +70,7 @@ fn description(system: &System, modes: usize) -> io::Result<Vec<u8>> {
         .write_inner_content(|writer| {
             writer.create_element("ssd:System").with_attribute(("name", system.name)).write_inner_content(
                 |writer| {
-                    write_components(writer, system, modes)?;
+                    write_components(writer, system, interface)?;
                     write_connections(writer, system.case)
                 },
             )?;
@@ -80,7 +82,7 @@ fn description(system: &System, modes: usize) -> io::Result<Vec<u8>> {
     Ok(writer.into_inner().into_inner())
 }
 
-fn write_components(writer: &mut Xml, system: &System, modes: usize) -> io::Result<()> {
+fn write_components(writer: &mut Xml, system: &System, interface: &Interface) -> io::Result<()> {
     writer.create_element("ssd:Elements").write_inner_content(|writer| {
         for fmu in &system.case.fmu {
             let source = format!("resources/{}.fmu", fmu.name);
@@ -92,7 +94,7 @@ fn write_components(writer: &mut Xml, system: &System, modes: usize) -> io::Resu
                     ("source", source.as_str()),
                 ])
                 .write_inner_content(|writer| {
-                    write_connectors(writer, fmu, system.case, modes)?;
+                    write_connectors(writer, fmu, system.case, interface)?;
                     write_parameters(writer, system)
                 })?;
         }
@@ -103,8 +105,8 @@ fn write_components(writer: &mut Xml, system: &System, modes: usize) -> io::Resu
 
 /// The outputs of an FMU and its connected inputs: some importers refuse a connector of an input that nothing feeds.
 /// Units stand in the FMU's own description.
-fn write_connectors(writer: &mut Xml, fmu: &Fmu, case: &Case, modes: usize) -> io::Result<()> {
-    let mut variables = super::reals(&fmu.name, modes);
+fn write_connectors(writer: &mut Xml, fmu: &Fmu, case: &Case, interface: &Interface) -> io::Result<()> {
+    let mut variables = super::reals(&fmu.name, interface);
     let is_fed = |name: &str| case.connection.iter().any(|link| link.to == format!("{}.{name}", fmu.name));
     variables.retain(|(name, kind)| *kind == "output" || is_fed(name));
     element(writer, "ssd:Connectors", &[], |writer| {

@@ -1,9 +1,9 @@
 //! A watch over a run: energy that nothing supplied, lost particles, speeds that the energy does not allow.
 //!
-//! The energy is that of water and structure together, above the lowest point of the scene, less the work of what acts on
+//! The energy is that of water and bodies together, above the lowest point of the scene, less the work of what acts on
 //! them from outside (the shaking of a tank, a constant load). Nothing else supplies any, so it can only fall. Its rise
 //! above its least value so far is measured by the energy of the run: the largest kinetic energy so far, the water's
-//! potential energy at the start, and the range of the structure's. Particles that are lost take a positive energy with
+//! potential energy at the start, and the range of that of the bodies. Particles that are lost take a positive energy with
 //! them. A case of FMUs says neither what supplies energy nor how far things can fall: there, lost particles are counted.
 
 mod memory;
@@ -58,23 +58,14 @@ pub struct Watch {
     memory: Memory,
 }
 
-/// Names of the first coordinates, for constant loads.
-fn coordinate(index: usize) -> String {
-    ["motion.x", "motion.y", "motion.theta"]
-        .get(index)
-        .map_or_else(|| format!("motion.q[{}]", index - 2), ToString::to_string)
-}
-
 impl Watch {
     /// A watch over an initialised system; `reference` is that of the scene that it was made from.
     pub fn new(limits: &scene::Watch, reference: Option<&Reference>, system: &System, memory: Memory) -> Self {
         let energies = |participant| {
             ["energy.kinetic", "energy.potential"].map(|name| Sensor::find(system, Some(participant), name))
         };
-        let loads = reference.iter().flat_map(|reference| reference.constant_load.iter().copied().enumerate());
-        let loaded = loads.filter(|(_, load)| *load != 0.0);
-        let loaded =
-            loaded.filter_map(|(index, load)| Some((load, Sensor::find(system, Some(STRUCTURE), &coordinate(index))?)));
+        let loads = reference.iter().flat_map(|reference| &reference.constant_loads);
+        let loaded = loads.filter_map(|(name, load)| Some((*load, Sensor::find(system, Some(STRUCTURE), name)?)));
         Self {
             limits: limits.clone(),
             reference: reference.cloned(),

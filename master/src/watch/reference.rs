@@ -1,6 +1,7 @@
 //! What the motion of a scene is measured by: the forces that act on it, how far it can fall, how fast that makes it.
 
-use scene::{Point, Scene, Structure};
+use components::Interface;
+use scene::{Body, Point, Scene};
 use std::f64::consts::TAU;
 
 /// Figures of a scene before anything moves.
@@ -8,11 +9,11 @@ use std::f64::consts::TAU;
 pub struct Reference {
     /// Magnitude of gravity \[m/s2\].
     pub gravity: f64,
-    /// Lowest height of water, walls and body, against gravity \[m\].
+    /// Lowest height of water, walls and bodies, against gravity \[m\].
     pub lowest: f64,
     /// Mass of the water \[kg/m\].
     pub water: f64,
-    /// Mass of what moves of the structure \[kg/m\].
+    /// Mass of what moves of the bodies \[kg/m\].
     pub body: f64,
     /// Square of the speed that the start, a fall through the scene and the attraction give \[m2/s2\].
     pub squared_speed: f64,
@@ -20,8 +21,8 @@ pub struct Reference {
     pub still: f64,
     /// Largest acceleration of a shaken tank \[m/s2\] and its angular frequency \[rad/s\].
     pub shaking: (Point, f64),
-    /// Constant load on the coordinates of the structure.
-    pub constant_load: Vec<f64>,
+    /// Constant loads, each with the position that it acts on, by the name of that output of the structure.
+    pub constant_loads: Vec<(String, f64)>,
 }
 
 impl Reference {
@@ -31,10 +32,10 @@ impl Reference {
         let height = |point: &Point| {
             if gravity > 0.0 { -(scene.gravity[0] * point[0] + scene.gravity[1] * point[1]) / gravity } else { 0.0 }
         };
-        let (fluid, structure) = (scene.fluid.as_ref(), scene.structure.as_ref());
+        let fluid = scene.fluid.as_ref();
         let water: Vec<Point> = fluid.iter().flat_map(|it| &it.water).flat_map(|it| it.polygon.clone()).collect();
         let walls = fluid.iter().flat_map(|it| &it.wall).flat_map(|it| it.points.clone());
-        let all = water.iter().copied().chain(walls).chain(structure.iter().flat_map(|it| outline(it)));
+        let all = water.iter().copied().chain(walls).chain(scene.body.iter().flat_map(outline));
         let lowest = all.map(|point| height(&point)).fold(f64::INFINITY, f64::min);
         let mut reference = Self { gravity, lowest: if lowest.is_finite() { lowest } else { 0.0 }, ..Self::default() };
         if let Some(fluid) = fluid {
@@ -48,11 +49,8 @@ impl Reference {
             let shaken = fluid.shaking.amplitude.iter().map(|amplitude| (amplitude * omega).powi(2)).sum::<f64>();
             reference.squared_speed = start + 2.0 * gravity * fall + fluid.attraction.max(0.0) * reach + shaken;
         }
-        if let Some(structure) = structure {
-            let rigid = if structure.free.is_empty() { 0.0 } else { structure.mass };
-            reference.body = rigid + structure.beam.as_ref().map_or(0.0, |beam| beam.line_density() * beam.length);
-            reference.constant_load.clone_from(&structure.constant_load);
-        }
+        reference.body = scene.body.iter().map(moving_mass).sum();
+        reference.constant_loads = constant_loads(scene);
         reference
     }
 }
@@ -63,16 +61,32 @@ fn squared_start(start: &scene::Start, point: &Point) -> f64 {
     along(0).powi(2) + along(1).powi(2)
 }
 
-/// Corners of walls and beam where they stand at the start \[m\].
-fn outline(structure: &Structure) -> Vec<Point> {
-    let (sin, cos) = structure.angle.sin_cos();
-    let beam = structure
-        .beam
-        .iter()
-        .flat_map(|beam| [-0.5, 0.5].map(|share| [beam.middle[0], beam.middle[1] + share * beam.length]));
-    let corners = structure.wall.iter().flat_map(|wall| wall.points.iter().copied()).chain(beam);
-    let place = |[x, y]: Point| [structure.origin[0] + cos * x - sin * y, structure.origin[1] + sin * x + cos * y];
-    corners.map(place).collect()
+/// Mass of what moves of a body \[kg/m\].
+fn moving_mass(body: &Body) -> f64 {
+    let rigid = if body.free.is_empty() { 0.0 } else { body.mass };
+    rigid + body.member.iter().map(|member| member.line_density() * member.length).sum::<f64>()
+}
+
+/// Constant loads that are not zero.
+fn constant_loads(scene: &Scene) -> Vec<(String, f64)> {
+    let interface = Interface::of(scene);
+    let layout = interface.layout();
+    let coordinates: Vec<_> = layout.coordinates().collect();
+    let of_body = |(index, body): (usize, &Body)| {
+        let own = coordinates[layout.body(index)].iter().zip(&body.constant_load).filter(|(_, load)| **load != 0.0);
+        let named = own.map(|(&at, &load)| (interface.motion(at)[0].clone(), load));
+        named.collect::<Vec<_>>()
+    };
+    scene.body.iter().enumerate().flat_map(of_body).collect()
+}
+
+/// Corners of walls and members where they stand at the start \[m\].
+fn outline(body: &Body) -> Vec<Point> {
+    let ends =
+        |member: &scene::Member| [-0.5, 0.5].map(|share| [member.middle[0], member.middle[1] + share * member.length]);
+    let corners =
+        body.wall.iter().flat_map(|wall| wall.points.iter().copied()).chain(body.member.iter().flat_map(ends));
+    corners.map(|corner| body.in_the_scene(corner)).collect()
 }
 
 #[cfg(test)]
@@ -92,8 +106,8 @@ mod tests {
         assert!((reference.squared_speed - expected).abs() < 1e-12, "{}", reference.squared_speed);
         assert!((reference.still - 1e-10).abs() < 1e-20, "{}", reference.still);
         assert!((reference.shaking.0[0] - 0.1 * pi * pi).abs() < 1e-12 && reference.shaking.1 == pi);
-        let text = "title = 't'\ngravity = [0.0, -2.0]\n[run]\nend = 1.0\ncommunication_step = 0.1\n[structure]\n\
-            origin = [1.0, 1.0]\nangle = 1.5707963267948966\nfree = ['y']\nmass = 3.0\n\
+        let text = "title = 't'\ngravity = [0.0, -2.0]\n[run]\nend = 1.0\ncommunication_step = 0.1\n[[body]]\n\
+            name = 'b'\norigin = [1.0, 1.0]\nangle = 1.5707963267948966\nfree = ['y']\nmass = 3.0\n\
             wall = [{ points = [[-2.0, 0.0], [0.5, 0.0]] }]\n";
         let reference = Reference::of(&Scene::from_str(text, "t").unwrap());
         assert!((reference.lowest + 1.0).abs() < 1e-12, "turned by a quarter: {}", reference.lowest);

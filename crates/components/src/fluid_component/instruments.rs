@@ -52,7 +52,7 @@ mod tests {
 
     fn judged(instruments: &str) -> Result<Vec<String>, String> {
         let scene = Scene::from_str(&format!("{TANK}{instruments}\n"), "tank.toml").unwrap();
-        runtime::solver(&scene, 0).map(|set_up| set_up.warnings).map_err(|error| error.to_string())
+        runtime::solver(&scene).map(|set_up| set_up.warnings).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -99,7 +99,7 @@ mod tests {
         let block = block.replace("[[0,0],[0.4,0],[0.4,0.4],[0,0.4]]", water);
         let set_up = |point: &str| {
             let text = format!("{block}probe = [{{ name = 'p', point = {point} }}]\n");
-            runtime::solver(&Scene::from_str(&text, "tank.toml").unwrap(), 0).map_err(|error| error.to_string())
+            runtime::solver(&Scene::from_str(&text, "tank.toml").unwrap()).map_err(|error| error.to_string())
         };
         // Nearer to the floor than to any side of the block, and 11 mm above its bottom.
         let message = set_up("[0.15, 0.001]").err().unwrap();

@@ -1,8 +1,9 @@
 //! What follows from the scene and needs no saving: solver, scratch, field frames.
 
-use super::{GAUGES, PROBES, REGIONS, instruments};
+use super::instruments;
+use crate::interface::Matching;
 use crate::parameters::{SceneParameters, same_model};
-use crate::{Error, conversion};
+use crate::{Error, Interface, conversion};
 use digits::six;
 use fmi2::Failure;
 use frames::{Field, Frame, Series, single, write_frame};
@@ -17,6 +18,8 @@ use std::time::Instant;
 pub(super) struct Runtime {
     scene: Arc<Scene>,
     pub(super) solver: fluid::Solver,
+    /// Where the variables of the FMU are in the scene.
+    pub(super) matching: Matching,
     /// In a cell: figures are computed when they are read, and what they need serves the next step.
     pub(super) workspace: RefCell<fluid::Workspace>,
     /// Motion of the bodies at the end of a step.
@@ -29,17 +32,18 @@ pub(super) struct Runtime {
 impl Runtime {
     pub(super) fn new(
         scene: Arc<Scene>,
-        modes: usize,
+        interface: &Interface,
         parameters: &SceneParameters,
         start: f64,
     ) -> Result<Self, Error> {
-        let SetUp { solver, walls, warnings } = solver(&scene, modes)?;
+        let matching = Matching::new(interface, &Interface::of(&scene))?;
+        let SetUp { solver, walls, warnings } = solver(&scene)?;
         let series = parameters.series(&scene, "particles", start)?;
         if series.is_some() {
             write_frame(&Path::new(&parameters.output_directory).join("walls.vtu"), outline(&walls))?;
         }
         let (workspace, end) = (RefCell::new(solver.workspace()), solver.at_rest());
-        Ok(Self { workspace, end, solver, series, warnings, scene })
+        Ok(Self { workspace, end, solver, matching, series, warnings, scene })
     }
 
     /// The scene that this was made for.
@@ -50,6 +54,16 @@ impl Runtime {
     /// Whether this was made for a scene that is the same to the water.
     pub(super) fn fits(&self, scene: &Arc<Scene>) -> bool {
         same_model(&self.scene, scene).is_ok()
+    }
+
+    /// Takes the motion of the bodies at the end of a step from the variables of the FMU.
+    pub(super) fn take(&mut self, motion: &Motion) {
+        let Self { matching, end, .. } = self;
+        for (own, of_scene) in matching.pairs() {
+            end.position[of_scene] = motion.position[own];
+            end.velocity[of_scene] = motion.velocity[own];
+            end.acceleration[of_scene] = motion.acceleration[own];
+        }
     }
 
     /// Takes up the frames of an earlier process that a state at `time` follows.
@@ -106,15 +120,10 @@ pub(super) struct SetUp {
     pub(super) warnings: Vec<String>,
 }
 
-/// The solver of a scene for an interface with this number of modes.
-pub(super) fn solver(scene: &Scene, modes: usize) -> Result<SetUp, Error> {
+/// The solver of a scene.
+pub(super) fn solver(scene: &Scene) -> Result<SetUp, Error> {
     crate::memory::check_water(scene)?;
     let (numbers, geometry) = conversion::fluid(scene)?;
-    let beam = scene.modes();
-    within("modes of the beam", beam, modes, "; pack the FMU with more modes or lower structure.beam.modes")?;
-    within("pressure probe points", geometry.probes.len(), PROBES, "; remove some of fluid.probe")?;
-    within("level gauges", geometry.gauges.len(), GAUGES, "; remove some of fluid.gauge")?;
-    within("regions", geometry.regions.len(), REGIONS, "; remove some of fluid.region")?;
     let walls = geometry.fixed_walls.clone();
     let solver = fluid::Solver::new(numbers, geometry)?;
     let warnings = [instruments::judge(scene, &solver)?, closed_gaps(&solver)].concat();
@@ -131,10 +140,6 @@ fn closed_gaps(solver: &fluid::Solver) -> Vec<String> {
         )
     };
     solver.closed_gaps().map(told).collect()
-}
-
-fn within(what: &'static str, got: usize, limit: usize, hint: &'static str) -> Result<(), Error> {
-    if got > limit { Err(Error::TooMany { what, got, limit, hint }) } else { Ok(()) }
 }
 
 fn particles(state: &fluid::State) -> Frame {

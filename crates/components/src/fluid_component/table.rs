@@ -1,33 +1,25 @@
 //! The fluid's table of variables.
 
-use super::{FluidComponent, GAUGES, PROBES, REGIONS};
-use crate::interface::COORDINATES;
+use super::FluidComponent;
+use crate::interface::{ANSWER, GAUGE, LOADS, MOTIONS, PROBE, REGION, added_masses, family};
 use crate::parameters::{output_rows, scene_rows};
-use crate::{ACCELERATION, LOAD, POSITION, interface, quantities};
+use crate::{Interface, quantities};
 use fluid::Observables;
 use fmi2::{DefaultExperiment, Model, Reference, Variable};
 
 type Row = Variable<FluidComponent>;
 
-/// Description and table for an interface with this number of modes.
-pub(super) fn model(modes: usize) -> Model<FluidComponent> {
+/// Description and table for an interface.
+pub(super) fn model(interface: &Interface) -> Model<FluidComponent> {
     let mut variables = parameters();
-    let getters = [
-        |this: &FluidComponent, index: usize| this.state.motion.position[index],
-        |this: &FluidComponent, index: usize| this.state.motion.velocity[index],
-        |this: &FluidComponent, index: usize| this.state.motion.acceleration[index],
-        |this: &FluidComponent, index: usize| this.load(index),
-    ];
-    let meeting = interface::variables(modes, getters);
-    let (loads, motions): (Vec<_>, Vec<_>) = meeting.into_iter().partition(|(family, _)| *family == LOAD);
-    variables.extend(motions.into_iter().map(|(family, variable)| motion_input(family, variable)));
-    variables.extend(loads.into_iter().map(|(_, variable)| variable));
-    let answers =
-        interface::answer_variables(modes, FluidComponent::load_acceleration, |this: &FluidComponent, index| {
-            this.added_mass(index / COORDINATES, index % COORDINATES)
-        });
-    variables.extend(answers.into_iter().flatten());
-    variables.extend(places());
+    variables.extend(motions(interface));
+    variables.extend(family(interface, &LOADS, FluidComponent::load));
+    variables.extend(family(interface, &ANSWER, FluidComponent::load_acceleration));
+    variables.extend(added_masses(interface, |this: &FluidComponent, entry| {
+        let size = this.state.motion.size();
+        this.added_mass(entry / size, entry % size)
+    }));
+    variables.extend(places(interface));
     variables.extend(figures());
     variables.extend(shape());
     variables.extend(numbers());
@@ -46,25 +38,33 @@ pub(super) fn model(modes: usize) -> Model<FluidComponent> {
                 "directionalDerivative",
                 "fmi2GetDirectionalDerivative gives the sensitivity of the last step: the derivative of the mean load \
                  over the last fmi2DoStep by the motion at its end, which is minus added_mass over the length of the \
-                 step for motion.v* and zero for positions and accelerations. Made for Newton iterations between \
+                 step for the rates and zero for positions and accelerations. Made for Newton iterations between \
                  communication points.",
             ),
             (
                 "motion",
-                "motion.* is the motion of the body at the end of the step that follows; unconnected it holds the body at \
+                "body.*.motion.* is the motion of a body at the end of the step that follows; unconnected it holds the body at \
                  its place in the scene.",
             ),
-            ("load", "load.* is the mean over the communication step that ended (impulse divided by step)."),
+            ("load", "body.*.load.* is the mean over the communication step that ended (impulse divided by step)."),
         ],
     }
 }
 
-fn motion_input(family: Reference, variable: Row) -> Row {
-    match family {
-        POSITION => variable.input(|this, index, value| this.state.motion.position[index] = value),
-        ACCELERATION => variable.input(|this, index, value| this.state.motion.acceleration[index] = value),
-        _ => variable.input(|this, index, value| this.state.motion.velocity[index] = value),
-    }
+fn motions(interface: &Interface) -> Vec<Row> {
+    let [positions, velocities, accelerations] = &MOTIONS;
+    let position = family(interface, positions, |this: &FluidComponent, index| this.state.motion.position[index]);
+    let velocity = family(interface, velocities, |this: &FluidComponent, index| this.state.motion.velocity[index]);
+    let acceleration =
+        family(interface, accelerations, |this: &FluidComponent, index| this.state.motion.acceleration[index]);
+    let position =
+        position.into_iter().map(|row| row.input(|this, index, value| this.state.motion.position[index] = value));
+    let velocity =
+        velocity.into_iter().map(|row| row.input(|this, index, value| this.state.motion.velocity[index] = value));
+    let acceleration = acceleration
+        .into_iter()
+        .map(|row| row.input(|this, index, value| this.state.motion.acceleration[index] = value));
+    position.chain(velocity).chain(acceleration).collect()
 }
 
 fn parameters() -> Vec<Row> {
@@ -89,32 +89,31 @@ fn figure(this: &FluidComponent, read: impl Fn(&Observables) -> f64) -> f64 {
 }
 
 /// Figures at the scene's probes and gauges and in its regions, computed from the state when they are read.
-fn places() -> Vec<Row> {
-    let probes = (0..PROBES).map(|index| {
-        let name = format!("probe.pressure[{}]", index + 1);
-        let meaning = "pressure at a probe point, in the order of the scene; 0 where it has fewer";
-        Row::real(300 + index as Reference, name, meaning, "Pressure", |this, index| {
-            figure(this, |seen| seen.probes.get(index).copied().unwrap_or(0.0))
+fn places(interface: &Interface) -> Vec<Row> {
+    let probe = |(index, name): (usize, &String)| {
+        let reference = PROBE + index as Reference;
+        Row::real(reference, Interface::pressure(name), "pressure at a probe point", "Pressure", |this, index| {
+            this.figure_at(|matching| &matching.probes, |seen| &seen.probes, index)
         })
         .at(index)
-    });
-    let regions = (0..REGIONS).map(|index| {
-        let name = format!("region.mass[{}]", index + 1);
-        let meaning = "water in a region, in the order of the scene; 0 where it has fewer";
-        Row::real(340 + index as Reference, name, meaning, "Mass", |this, index| {
-            figure(this, |seen| seen.region_masses.get(index).copied().unwrap_or(0.0))
+    };
+    let region = |(index, name): (usize, &String)| {
+        let reference = REGION + index as Reference;
+        Row::real(reference, Interface::mass(name), "water in a region", "Mass", |this, index| {
+            this.figure_at(|matching| &matching.regions, |seen| &seen.region_masses, index)
         })
         .at(index)
-    });
-    let levels = (0..GAUGES).map(|index| {
-        let name = format!("level[{}]", index + 1);
-        let meaning = "Y of the highest water at a gauge, in the order of the scene; 0 where it has fewer";
-        Row::real(350 + index as Reference, name, meaning, "Length", |this, index| {
-            figure(this, |seen| seen.levels.get(index).copied().unwrap_or(0.0))
+    };
+    let gauge = |(index, name): (usize, &String)| {
+        let reference = GAUGE + index as Reference;
+        Row::real(reference, Interface::level(name), "Y of the highest water at a gauge", "Length", |this, index| {
+            this.figure_at(|matching| &matching.gauges, |seen| &seen.levels, index)
         })
         .at(index)
-    });
-    probes.chain(regions).chain(levels).collect()
+    };
+    let probes = interface.probes.iter().enumerate().map(probe);
+    let regions = interface.regions.iter().enumerate().map(region);
+    probes.chain(regions).chain(interface.gauges.iter().enumerate().map(gauge)).collect()
 }
 
 /// Figures of the whole water, computed from the state when they are read.

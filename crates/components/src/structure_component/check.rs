@@ -1,17 +1,10 @@
 //! Whether a state read from bytes can be one that a structure saved.
 
 use super::{LastStep, Progress, Runtime, State};
-use crate::interface::{COORDINATES, finite};
+use crate::Interface;
+use crate::interface::{check_motion, finite, length};
 use fmi2::Failure;
 use structure::{AddedMass, Solver};
-
-fn length(what: &str, got: usize, expected: usize) -> Result<(), Failure> {
-    if got == expected {
-        Ok(())
-    } else {
-        Err(Failure::refused(format!("length of {what} = {got}: expected {expected}")))
-    }
-}
 
 fn sound(solver: &Solver, what: &str, state: &structure::State) -> Result<(), Failure> {
     finite(&format!("time of {what}"), &[state.time])?;
@@ -20,16 +13,23 @@ fn sound(solver: &Solver, what: &str, state: &structure::State) -> Result<(), Fa
 
 impl State {
     /// What needs no scene: inputs and outputs.
-    pub(super) fn check(&self) -> Result<(), Failure> {
-        finite("load", &self.load)?;
-        finite("load_acceleration", &self.load_acceleration)?;
-        length("added_mass", self.added_mass.len(), COORDINATES * COORDINATES)?;
-        finite("added_mass", &self.added_mass)?;
+    pub(super) fn check(&self, interface: &Interface) -> Result<(), Failure> {
+        let (size, members) = (interface.layout().size(), interface.members().count());
+        for (name, values, expected) in [
+            ("load", &self.load, size),
+            ("load_acceleration", &self.load_acceleration, size),
+            ("added_mass", &self.added_mass, size * size),
+            ("youngs_moduli", &self.parameters.youngs_moduli, members),
+        ] {
+            length(name, values.len(), expected)?;
+            finite(name, values)?;
+        }
         let outputs = &self.outputs;
-        outputs.motion.check("motion")?;
+        check_motion("motion", &outputs.motion, size)?;
+        length("deflections", outputs.deflections.len(), members)?;
+        finite("deflections", outputs.deflections.as_flattened())?;
         let [along_x, along_y] = outputs.momentum;
-        let others = [outputs.middle, outputs.tip, outputs.kinetic, outputs.potential, along_x, along_y];
-        finite("deflections, energies and momentum", &others)
+        finite("energies and momentum", &[outputs.kinetic, outputs.potential, along_x, along_y])
     }
 }
 
@@ -66,9 +66,10 @@ mod tests {
 
     /// A plate that swung for a step, and its state.
     fn swung() -> (StructureComponent, State) {
-        let mut component = StructureComponent::new(&Setup { variant: 3, resources: None });
-        let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/free_decay.toml");
-        component.state.parameters.common.scene = scene.display().to_string();
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/free_decay.toml");
+        let interface = Interface::of(&scene::Scene::from_file(&path).unwrap());
+        let mut component = StructureComponent::new(&Setup { interface, resources: None });
+        component.state.parameters.common.scene = path.display().to_string();
         component.prepare(0.0).unwrap();
         component.advance(0.0, 0.001).unwrap();
         let state = component.save();

@@ -1,33 +1,46 @@
 //! What the structure of a scene needs beside its state.
 
 use super::Outputs;
-use crate::interface::{COORDINATES, MotionValues};
+use crate::interface::Matching;
 use crate::parameters::same_model;
-use crate::{Error, conversion};
+use crate::{Error, Interface, conversion};
 use frames::{Field, Frame, Series, single};
 use kinematics::{Beam, BodySet, Motion, SurfacePoint};
 use scene::Scene;
 use std::sync::Arc;
 
+impl Outputs {
+    /// All zero.
+    pub(super) fn new(interface: &Interface) -> Self {
+        Self {
+            motion: Motion::zeros(interface.layout().size()),
+            deflections: vec![[0.0; 2]; interface.members().count()],
+            kinetic: 0.0,
+            potential: 0.0,
+            momentum: [0.0; 2],
+            unknowns: 0,
+            iterations: 0,
+        }
+    }
+}
+
 /// What follows from the scene and needs no saving.
 pub(super) struct Runtime {
     pub(super) scene: Arc<Scene>,
     pub(super) bodies: BodySet,
+    /// Where the variables of the FMU are in the scene.
+    pub(super) matching: Matching,
     pub(super) solver: structure::Solver,
     pub(super) workspace: structure::Workspace,
     pub(super) series: Option<Series>,
 }
 
 impl Runtime {
-    pub(super) fn new(scene: Arc<Scene>, limit: usize, series: Option<Series>) -> Result<Self, Error> {
-        let modes = scene.modes();
-        if modes > limit {
-            let hint = "; pack the FMU with more modes or lower structure.beam.modes";
-            return Err(Error::TooMany { what: "modes of the beam", got: modes, limit, hint });
-        }
+    pub(super) fn new(scene: Arc<Scene>, interface: &Interface, series: Option<Series>) -> Result<Self, Error> {
+        let matching = Matching::new(interface, &Interface::of(&scene))?;
         let solver = structure::Solver::new(conversion::structure(&scene)?)?;
         let bodies = conversion::bodies(&scene)?;
-        Ok(Self { bodies, workspace: solver.workspace(), solver, series, scene })
+        Ok(Self { bodies, matching, workspace: solver.workspace(), solver, series, scene })
     }
 
     /// Whether this was made for a scene that is the same to the structure.
@@ -36,27 +49,41 @@ impl Runtime {
     }
 
     /// Mean load of the step: what the fluid gives, and the constant load of the scene.
-    pub(super) fn load(&self, input: &[f64; COORDINATES]) -> Vec<f64> {
-        let mut load = input[..self.bodies.layout().size()].to_vec();
-        let constant = self.scene.structure.as_ref().map_or(&[][..], |structure| &structure.constant_load);
-        load.iter_mut().zip(constant).for_each(|(load, constant)| *load += constant);
+    pub(super) fn load(&self, input: &[f64]) -> Vec<f64> {
+        let layout = self.bodies.layout();
+        let mut load = vec![0.0; layout.size()];
+        self.matching.pairs().for_each(|(own, of_scene)| load[of_scene] = input[own]);
+        for (index, body) in self.scene.body.iter().enumerate() {
+            let own = &mut load[layout.body(index)];
+            own.iter_mut().zip(&body.constant_load).for_each(|(load, constant)| *load += constant);
+        }
         load
     }
 
-    pub(super) fn outputs(&self, state: &structure::State, report: &structure::Report) -> Outputs {
-        let length = self.bodies.bodies()[0].members.first().map_or(0.0, |beam| beam.modes.length());
-        // The solver's eta is positive along -x of the body.
-        let deflection = |station: f64| -self.solver.deflection(state, 0, 0, station);
-        Outputs {
-            motion: MotionValues::from_motion(&state.motion),
-            middle: deflection(0.5 * length),
-            tip: deflection(length),
-            kinetic: self.solver.kinetic_energy(state),
-            potential: self.solver.potential_energy(state),
-            momentum: self.solver.linear_momentum(state).into(),
-            unknowns: i32::try_from(report.unknowns).unwrap_or(i32::MAX),
-            iterations: i32::try_from(report.iterations).unwrap_or(i32::MAX),
+    pub(super) fn write_outputs(&self, state: &structure::State, report: &structure::Report, outputs: &mut Outputs) {
+        for (own, of_scene) in self.matching.pairs() {
+            outputs.motion.position[own] = state.motion.position[of_scene];
+            outputs.motion.velocity[own] = state.motion.velocity[of_scene];
+            outputs.motion.acceleration[own] = state.motion.acceleration[of_scene];
         }
+        for (deflections, of_scene) in outputs.deflections.iter_mut().zip(&self.matching.members) {
+            let Some((body, member, length)) = of_scene.and_then(|index| self.members().nth(index)) else { continue };
+            // The solver's eta is positive along -x of the body.
+            *deflections = [0.5 * length, length].map(|station| -self.solver.deflection(state, body, member, station));
+        }
+        outputs.kinetic = self.solver.kinetic_energy(state);
+        outputs.potential = self.solver.potential_energy(state);
+        outputs.momentum = self.solver.linear_momentum(state).into();
+        outputs.unknowns = i32::try_from(report.unknowns).unwrap_or(i32::MAX);
+        outputs.iterations = i32::try_from(report.iterations).unwrap_or(i32::MAX);
+    }
+
+    /// Body, index there, and length of each member.
+    fn members(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let bodies = self.bodies.bodies().iter().enumerate();
+        bodies.flat_map(|(body, shape)| {
+            shape.members.iter().enumerate().map(move |(member, beam)| (body, member, beam.modes.length()))
+        })
     }
 
     /// The outline as it stands, with its displacement from the scene's pose.

@@ -1,41 +1,40 @@
 //! The structure's table of variables.
 
 use super::StructureComponent;
+use crate::interface::{ANSWER, DEFLECTION, LOADS, MODULUS, MOTIONS, added_masses, family};
 use crate::parameters::{output_rows, scene_rows};
-use crate::{LOAD, interface, quantities};
-use fmi2::{DefaultExperiment, Model, Variable};
+use crate::{Interface, quantities};
+use fmi2::{DefaultExperiment, Model, Reference, Variable};
 
 type Row = Variable<StructureComponent>;
 
-/// Description and table for an interface with this number of modes.
-pub(super) fn model(modes: usize) -> Model<StructureComponent> {
-    let mut variables = parameters();
-    let getters = [
-        |this: &StructureComponent, index: usize| this.state.outputs.motion.position[index],
-        |this: &StructureComponent, index: usize| this.state.outputs.motion.velocity[index],
-        |this: &StructureComponent, index: usize| this.state.outputs.motion.acceleration[index],
-        |this: &StructureComponent, index: usize| this.state.load[index],
-    ];
-    let set_load = |this: &mut StructureComponent, index: usize, value: f64| this.state.load[index] = value;
-    let meeting = interface::variables(modes, getters);
-    let (loads, motions): (Vec<_>, Vec<_>) = meeting.into_iter().partition(|(family, _)| *family == LOAD);
-    variables.extend(loads.into_iter().map(|(_, variable)| variable.input(set_load)));
-    let [accelerations, masses] = interface::answer_variables(
-        modes,
-        |this: &StructureComponent, index| this.state.load_acceleration[index],
-        |this: &StructureComponent, index| this.state.added_mass[index],
-    );
-    let set_acceleration =
+/// Description and table for an interface.
+pub(super) fn model(interface: &Interface) -> Model<StructureComponent> {
+    let mut variables = parameters(interface);
+    let loads = family(interface, &LOADS, |this: &StructureComponent, index| this.state.load[index]);
+    variables.extend(loads.into_iter().map(|row| row.input(|this, index, value| this.state.load[index] = value)));
+    let answers = family(interface, &ANSWER, |this: &StructureComponent, index| this.state.load_acceleration[index]);
+    let set_answer =
         |this: &mut StructureComponent, index: usize, value: f64| this.state.load_acceleration[index] = value;
-    let set_mass = |this: &mut StructureComponent, index: usize, value: f64| this.state.added_mass[index] = value;
-    variables.extend(accelerations.into_iter().map(|variable| variable.input(set_acceleration)));
-    variables.extend(masses.into_iter().map(|variable| variable.input(set_mass)));
-    variables.extend(motions.into_iter().map(|(_, variable)| variable));
+    variables.extend(answers.into_iter().map(|row| row.input(set_answer)));
+    let masses = added_masses(interface, |this: &StructureComponent, index| this.state.added_mass[index]);
+    variables.extend(masses.into_iter().map(|row| row.input(StructureComponent::set_added_mass)));
+    let [positions, velocities, accelerations] = &MOTIONS;
+    variables.extend(family(interface, positions, |this: &StructureComponent, index| {
+        this.state.outputs.motion.position[index]
+    }));
+    variables.extend(family(interface, velocities, |this: &StructureComponent, index| {
+        this.state.outputs.motion.velocity[index]
+    }));
+    variables.extend(family(interface, accelerations, |this: &StructureComponent, index| {
+        this.state.outputs.motion.acceleration[index]
+    }));
+    variables.extend(deflections(interface));
     variables.extend(outputs());
     Model {
         identifier: "structure",
         name: "Plimsoll.Structure",
-        description: "Rigid cabin with an elastic beam in modal form, per metre of width",
+        description: "Rigid bodies with elastic beams in modal form, per metre of width",
         units: quantities::units(),
         types: quantities::types(),
         variables,
@@ -50,11 +49,11 @@ pub(super) fn model(modes: usize) -> Model<StructureComponent> {
             ),
             (
                 "load",
-                "load.* is the mean over the communication step that follows (impulse divided by step), held during it.",
+                "body.*.load.* is the mean over the communication step that follows (impulse divided by step), held during it.",
             ),
             (
                 "added_mass",
-                "With added_mass[i,j] and load.a* connected the structure steps under the load \
+                "With added_mass.* and load.a* connected the structure steps under the load \
                  load.* - added_mass (a - load.a*), a its own mean acceleration over the step: an exchange without \
                  iteration is then stable whatever the added mass. Unconnected they are zero and change nothing.",
             ),
@@ -62,32 +61,43 @@ pub(super) fn model(modes: usize) -> Model<StructureComponent> {
     }
 }
 
-fn parameters() -> Vec<Row> {
-    let own =
-        [Row::real(7, "youngs_modulus", "Young's modulus of the beam; 0 takes the scene's", "Pressure", |this, _| {
-            this.state.parameters.youngs_modulus
+fn parameters(interface: &Interface) -> Vec<Row> {
+    let modulus = |(index, (body, member))| {
+        let meaning = "Young's modulus; 0 takes the scene's";
+        let name = Interface::youngs_modulus(body, member);
+        Row::real(MODULUS + index as Reference, name, meaning, "Pressure", |this, index| {
+            this.state.parameters.youngs_moduli[index]
         })
-        .real_parameter(0.0, |this, _, value| this.state.parameters.youngs_modulus = value)
-        .within(0.0, f64::INFINITY)];
+        .real_parameter(0.0, |this, index, value| this.state.parameters.youngs_moduli[index] = value)
+        .within(0.0, f64::INFINITY)
+        .at(index)
+    };
+    let own = interface.members().enumerate().map(modulus);
     scene_rows().into_iter().chain(output_rows("outline")).chain(own).collect()
+}
+
+fn deflections(interface: &Interface) -> Vec<Row> {
+    let of_member = |(index, (body, member))| {
+        let [middle, tip] = Interface::deflections(body, member);
+        let reference = DEFLECTION + 2 * index as Reference;
+        let of_middle = "deflection of the beam's middle along +x of the body";
+        let of_tip = "deflection of the beam's end at +y along +x of the body";
+        [
+            Row::real(reference, middle, of_middle, "Displacement", |this, index| {
+                this.state.outputs.deflections[index][0]
+            })
+            .at(index),
+            Row::real(reference + 1, tip, of_tip, "Displacement", |this, index| {
+                this.state.outputs.deflections[index][1]
+            })
+            .at(index),
+        ]
+    };
+    interface.members().enumerate().flat_map(of_member).collect()
 }
 
 fn outputs() -> Vec<Row> {
     vec![
-        Row::real(
-            300,
-            "deflection.middle",
-            "deflection of the beam's middle along +x of the body",
-            "Displacement",
-            |this, _| this.state.outputs.middle,
-        ),
-        Row::real(
-            301,
-            "deflection.tip",
-            "deflection of the beam's end at +y along +x of the body",
-            "Displacement",
-            |this, _| this.state.outputs.tip,
-        ),
         Row::real(302, "energy.kinetic", "kinetic energy", "Energy", |this, _| this.state.outputs.kinetic),
         Row::real(303, "energy.potential", "energy of weight and bending", "Energy", |this, _| {
             this.state.outputs.potential
@@ -101,10 +111,10 @@ fn outputs() -> Vec<Row> {
             "coordinates solved for in the last step: free ones and modes",
             |this, _| this.state.outputs.unknowns,
         ),
-        Row::real(306, "momentum.x", "momentum of cabin and beam along X", "Momentum", |this, _| {
+        Row::real(306, "momentum.x", "momentum of the bodies along X", "Momentum", |this, _| {
             this.state.outputs.momentum[0]
         }),
-        Row::real(307, "momentum.y", "momentum of cabin and beam along Y", "Momentum", |this, _| {
+        Row::real(307, "momentum.y", "momentum of the bodies along Y", "Momentum", |this, _| {
             this.state.outputs.momentum[1]
         }),
         Row::real(

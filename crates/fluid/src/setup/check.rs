@@ -127,7 +127,7 @@ pub fn fits_together(walls: &Walls, geometry: &Geometry, water: &[Vector2<f64>],
             return Err(Error::Geometry {
                 what: format!("the body's surface at ({}, {}) lies behind a fixed wall", middle.x, middle.y),
                 got: "a body outside the tank".to_string(),
-                expected: "a body inside the walls; move structure.origin or the beam's middle".to_string(),
+                expected: "a body inside the walls; move its `origin`, or the `middle` of its member".to_string(),
             });
         }
     }

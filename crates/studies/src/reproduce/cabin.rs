@@ -5,10 +5,10 @@ use report::record::{Column, Series};
 
 /// The models: number, Young's modulus \[Pa\] (infinite: no modes), changes of the scene.
 pub const MODELS: [(&str, f64, &str); 4] = [
-    ("I", 1.8e9, "structure.beam.youngs_modulus=1.8e9"),
-    ("II", 3.6e9, "structure.beam.youngs_modulus=3.6e9"),
-    ("III", 7.2e9, "structure.beam.youngs_modulus=7.2e9"),
-    ("IV", f64::INFINITY, "structure.beam.modes=0"),
+    ("I", 1.8e9, "body.cabin.member.bulkhead.youngs_modulus=1.8e9"),
+    ("II", 3.6e9, "body.cabin.member.bulkhead.youngs_modulus=3.6e9"),
+    ("III", 7.2e9, "body.cabin.member.bulkhead.youngs_modulus=7.2e9"),
+    ("IV", f64::INFINITY, "body.cabin.member.bulkhead.modes=0"),
 ];
 /// Time over which the paper takes its averages and peaks \[s\].
 pub const PERIOD: f64 = 1.2;
@@ -23,7 +23,12 @@ const HEIGHT: f64 = 0.43;
 
 /// Name of the pressure at a probe, counted from 1.
 pub fn pressure(probe: usize) -> String {
-    format!("fluid.probe.pressure[{probe}]")
+    let name = match probe {
+        1 | 2 => format!("P{probe}"),
+        station if station < 3 + STATIONS => format!("bulkhead_flooded_side_{}", station - 2),
+        station => format!("bulkhead_dry_side_{}", station - 2 - STATIONS),
+    };
+    format!("fluid.probe.{name}.pressure")
 }
 
 /// Whether a record counts; times are sums of steps, and right to rounding.
@@ -99,10 +104,10 @@ pub struct Trend {
 /// The paper's trends, one by one.
 pub fn trends(models: &[Model]) -> Vec<Trend> {
     let whole = models.len() == MODELS.len();
-    let deflections = largest(models, "structure.deflection.middle");
+    let deflections = largest(models, "structure.body.cabin.bulkhead.deflection.middle");
     let (peaks, means) = (bulkhead(models, true), bulkhead(models, false));
     let rolls: Vec<f64> =
-        models.iter().filter_map(|model| at_the_end(&model.done.series, "structure.motion.theta")).collect();
+        models.iter().filter_map(|model| at_the_end(&model.done.series, "structure.body.cabin.motion.theta")).collect();
     let rising = |claim, values: &[f64], factor: f64| Trend {
         claim,
         found: whole.then(|| values.windows(2).all(|pair| pair[1] > pair[0])),

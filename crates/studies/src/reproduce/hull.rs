@@ -53,8 +53,8 @@ impl Variant {
             Self::Bottom => vec![walls(&[opening(Side::Bottom, 0.115, 0.275)])],
             Self::TwoOpenings => vec![walls(&[opening(Side::Left, 0.06, 0.14), opening(Side::Left, 0.2, 0.28)])],
             Self::BulkheadForward => bulkhead_at(-0.1),
-            Self::Fixed => vec!["structure.free=[]".to_string()],
-            Self::RollOnly => vec!["structure.free=[\"theta\"]".to_string()],
+            Self::Fixed => vec!["body.cabin.free=[]".to_string()],
+            Self::RollOnly => vec!["body.cabin.free=[\"theta\"]".to_string()],
         }
     }
 }
@@ -72,7 +72,7 @@ fn bulkhead_at(x: f64) -> Vec<String> {
     let region = |index: usize, left: f64, right: f64| {
         format!("fluid.region.{index}.polygon=[[{left}, {low}], [{right}, {low}], [{right}, {high}], [{left}, {high}]]")
     };
-    let mut changes = vec![format!("structure.beam.middle=[{x}, -0.006792]")];
+    let mut changes = vec![format!("body.cabin.member.bulkhead.middle=[{x}, -0.006792]")];
     changes.extend(stations(2, middle - face));
     changes.extend(stations(3, middle + face));
     changes.extend([region(0, 1.69, middle), region(1, middle, 2.31)]);
@@ -82,7 +82,7 @@ fn bulkhead_at(x: f64) -> Vec<String> {
 /// The walls with these openings, each as one closed piece of solid between two openings, as a change of the scene.
 pub fn walls(openings: &[Opening]) -> String {
     let lines: Vec<String> = pieces(openings).iter().map(|piece| wall(piece)).collect();
-    format!("structure.wall=[{}]", lines.join(", "))
+    format!("body.cabin.wall=[{}]", lines.join(", "))
 }
 
 fn wall(points: &[[f64; 2]]) -> String {

@@ -10,13 +10,19 @@ use std::path::Path;
 
 /// Histories: the paper's figure, title, variable, axis, factor.
 const HISTORIES: [(&str, &str, &str, &str, f64); 7] = [
-    ("6", "Deflection of the bulkhead's middle", "structure.deflection.middle", "deflection [mm]", 1e3),
-    ("7", "Water in the flooded compartment", "fluid.region.mass[1]", "mass [kg/m]", 1.0),
-    ("8", "Roll, to the damaged side", "structure.motion.theta", "roll [rad]", 1.0),
-    ("", "Heave", "structure.motion.y", "heave [m]", 1.0),
-    ("", "Sway", "structure.motion.x", "sway [m]", 1.0),
-    ("12", "Pressure at P1", "fluid.probe.pressure[1]", "pressure [kPa]", 1e-3),
-    ("12", "Pressure at P2", "fluid.probe.pressure[2]", "pressure [kPa]", 1e-3),
+    (
+        "6",
+        "Deflection of the bulkhead's middle",
+        "structure.body.cabin.bulkhead.deflection.middle",
+        "deflection [mm]",
+        1e3,
+    ),
+    ("7", "Water in the flooded compartment", "fluid.region.flooded_compartment.mass", "mass [kg/m]", 1.0),
+    ("8", "Roll, to the damaged side", "structure.body.cabin.motion.theta", "roll [rad]", 1.0),
+    ("", "Heave", "structure.body.cabin.motion.y", "heave [m]", 1.0),
+    ("", "Sway", "structure.body.cabin.motion.x", "sway [m]", 1.0),
+    ("12", "Pressure at P1", "fluid.probe.P1.pressure", "pressure [kPa]", 1e-3),
+    ("12", "Pressure at P2", "fluid.probe.P2.pressure", "pressure [kPa]", 1e-3),
 ];
 /// Half the side of the square around the cabin that pictures show \[m\], and where the cabin starts.
 const AROUND: f64 = 0.62;
@@ -209,9 +215,9 @@ fn convergence(models: &[Model], others: &[(f64, Vec<Model>)]) -> Result<Markup,
         vec![
             model.name.to_string(),
             format!("{:.0}", 1e3 * spacing),
-            number(most("structure.deflection.middle"), 1e3),
-            number(cabin::at_the_end(series, "fluid.region.mass[1]"), 1.0),
-            number(cabin::at_the_end(series, "structure.motion.theta"), 1.0),
+            number(most("structure.body.cabin.bulkhead.deflection.middle"), 1e3),
+            number(cabin::at_the_end(series, "fluid.region.flooded_compartment.mass"), 1.0),
+            number(cabin::at_the_end(series, "structure.body.cabin.motion.theta"), 1.0),
             format!("{:.1}", cabin::peak_and_impulse(&cabin::net_force(series)).2),
         ]
     };
@@ -264,7 +270,7 @@ fn fields(models: &[Model], folder: &Path) -> Result<Markup, Failure> {
 /// Sway and heave of the cabin at a time \[m\].
 fn place(model: &Model, time: f64) -> [f64; 2] {
     let series = &model.done.series;
-    ["structure.motion.x", "structure.motion.y"].map(|name| {
+    ["structure.body.cabin.motion.x", "structure.body.cabin.motion.y"].map(|name| {
         let points = series.column(name).map(|column| series.points(column));
         let before = points.and_then(|points| points.take_while(|it| it.0 <= time * (1.0 + 1e-9)).last());
         before.map_or(0.0, |it| it.1)

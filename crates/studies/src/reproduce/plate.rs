@@ -9,7 +9,7 @@ use std::path::Path;
 /// Moments of the water's shape \[s\], around the impact.
 const MOMENTS: [f64; 4] = [0.16, 0.26, 0.36, 0.5];
 /// Deflection of the tip; the paper plots the upper left corner of the plate.
-const TIP: &str = "structure.deflection.tip";
+const TIP: &str = "structure.body.base.plate.deflection.tip";
 
 /// The section for runs at several spacings, coarsest first.
 pub fn section(runs: &[FinishedRun], band: Option<Band>, folder: &Path) -> Result<Markup, Failure> {

@@ -55,15 +55,17 @@ impl Part {
         let side = |low: f64, high: f64| walls(&[Opening { side: Side::Left, from: low, to: high }]);
         match self {
             Self::Modulus => {
-                let modulus =
-                    |e: f64| point(format!("{e:.1e}"), e, vec![format!("structure.beam.youngs_modulus={e:e}")]);
+                let modulus = |e: f64| {
+                    point(format!("{e:.1e}"), e, vec![format!("body.cabin.member.bulkhead.youngs_modulus={e:e}")])
+                };
                 let mut all: Vec<Point> = [1.8e8, 1.8e9, 1.8e10, 1.8e11, 1.8e12].map(modulus).to_vec();
-                all.push(point("rigid".into(), 1.8e13, vec!["structure.beam.modes=0".into()]));
+                all.push(point("rigid".into(), 1.8e13, vec!["body.cabin.member.bulkhead.modes=0".into()]));
                 all
             }
             Self::Thickness => {
-                let thickness =
-                    |mm: f64| point(format!("{mm}"), mm, vec![format!("structure.beam.thickness={}", 1e-3 * mm)]);
+                let thickness = |mm: f64| {
+                    point(format!("{mm}"), mm, vec![format!("body.cabin.member.bulkhead.thickness={}", 1e-3 * mm)])
+                };
                 [9.0, 12.7, 17.96, 25.4].map(thickness).to_vec()
             }
             Self::Opening => {
@@ -109,9 +111,9 @@ const FIGURES: [(&str, Measure); 5] = [
     ("peak net force [N/m]", |done| Some(cabin::peak_and_impulse(&cabin::net_force(&done.series)).0)),
     ("impulse to 1.2 s [N s/m]", |done| Some(cabin::peak_and_impulse(&cabin::net_force(&done.series)).2)),
     ("largest deflection [mm]", |done| {
-        cabin::peak_and_mean(&done.series, "structure.deflection.middle").map(|it| 1e3 * it.0)
+        cabin::peak_and_mean(&done.series, "structure.body.cabin.bulkhead.deflection.middle").map(|it| 1e3 * it.0)
     }),
-    ("roll at 1.2 s [rad]", |done| cabin::at_the_end(&done.series, "structure.motion.theta")),
+    ("roll at 1.2 s [rad]", |done| cabin::at_the_end(&done.series, "structure.body.cabin.motion.theta")),
 ];
 
 /// The page's text: a table and charts of every part.

@@ -102,6 +102,6 @@ pub const FEATURES: [Feature; 5] = [
         name: "modes that answer to the load",
         scene: "dam_break_plate",
         with: &[("fluid.spacing", "0.003")],
-        without: &[("fluid.spacing", "0.003"), ("structure.beam.modes", "0")],
+        without: &[("fluid.spacing", "0.003"), ("body.0.member.0.modes", "0")],
     },
 ];

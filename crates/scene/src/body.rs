@@ -1,14 +1,16 @@
-//! The structure in a scene file. Field names are the keys of the file.
+//! Bodies and their flexible members in a scene file. Field names are the keys of the file.
 
 use crate::{Point, Wall};
 use keys::keys;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The rigid cabin with its elastic beam.
+/// A rigid body, a cabin for example, with its flexible members.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Structure {
+pub struct Body {
+    /// Name, in reports, in the variables of the FMUs and in key paths.
+    pub name: String,
     /// Place of the centre of gravity of the rigid part at the start \[m\].
     #[serde(default)]
     pub origin: Point,
@@ -30,25 +32,36 @@ pub struct Structure {
     /// Wetted rigid walls in the body frame, fluid on the left when walked along.
     #[serde(default)]
     pub wall: Vec<Wall>,
-    /// The elastic beam.
+    /// The flexible members.
     #[serde(default)]
-    pub beam: Option<Beam>,
+    pub member: Vec<Member>,
     /// Contact of the corners of `wall` with the fluid's fixed walls; without it a run stops where they meet.
     #[serde(default)]
     pub contact: Option<Contact>,
-    /// Time integration.
-    #[serde(default)]
-    pub integrator: Integrator,
-    /// A constant load on the generalised coordinates \[N/m, N m/m, N per modal unit\], for scenes without water.
+    /// A constant load on the coordinates of the body, for scenes without water: on x, y, theta \[N/m, N/m, N m/m\], then
+    /// on the modes of its members in their order \[N per modal unit\].
     #[serde(default)]
     pub constant_load: Vec<f64>,
+}
+
+impl Body {
+    /// Number of modes of all its members.
+    pub fn modes(&self) -> usize {
+        self.member.iter().map(|member| member.modes).sum()
+    }
+
+    /// A point of the body frame in the frame of the scene, as the body stands at the start \[m\].
+    pub fn in_the_scene(&self, [x, y]: Point) -> Point {
+        let (sin, cos) = self.angle.sin_cos();
+        [self.origin[0] + x * cos - y * sin, self.origin[1] + x * sin + y * cos]
+    }
 }
 
 keys! {
     /// Contact with fixed walls: a corner at the depth delta is pushed out by k delta (1 + damping delta'), without
     /// friction.
     pub struct Contact {
-        /// Depth to which one corner sinks under the cabin's weight \[m\]; decides the stiffness k.
+        /// Depth to which one corner sinks under the body's weight \[m\]; decides the stiffness k.
         depth: f64 = 1e-4, in 1e-9 to 1.0;
         /// Share of its speed that an impact loses, over that speed \[s/m\].
         damping: f64 = 5.0, in 0.0 to 1e6;
@@ -67,10 +80,12 @@ pub enum Freedom {
     Theta,
 }
 
-/// The elastic beam.
+/// A flexible member: a beam.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Beam {
+pub struct Member {
+    /// Name, in reports, in the variables of the FMUs and in key paths.
+    pub name: String,
     /// How its ends are held.
     pub support: Support,
     /// Middle of the undeformed beam in the body frame \[m\]; its axis runs along +y of the body.
@@ -86,7 +101,7 @@ pub struct Beam {
     /// Poisson's ratio; given, the plate is in plane strain, E h^3 / (12 (1 - nu^2)).
     #[serde(default)]
     pub poisson_ratio: Option<f64>,
-    /// Number of modes, 0 (rigid) to 8.
+    /// Number of modes, 0 (rigid) to 20.
     #[serde(default = "three")]
     pub modes: usize,
     /// Largest deflection over length for which the beam counts as linear; a run that exceeds it stops. Missing: 0.1
@@ -101,7 +116,7 @@ pub struct Beam {
     pub initial_modes: Vec<f64>,
 }
 
-impl Beam {
+impl Member {
     /// Bending stiffness EJ per metre of width \[N m\].
     pub fn bending_stiffness(&self) -> f64 {
         let plane_strain = self.poisson_ratio.map_or(1.0, |nu| 1.0 - nu * nu);
@@ -133,7 +148,7 @@ pub enum Support {
 }
 
 keys! {
-    /// Time integration of the structure.
+    /// Time integration of the bodies.
     pub struct Integrator {
         /// Spectral radius at infinite frequency; given, generalised-alpha replaces Newmark.
         rho_infinity: Option<f64> = None, in 0.0 to 1.0;
