@@ -2,7 +2,8 @@
 
 use crate::log::{Level, Log};
 use crate::participant::{self, Causality, Description, Error, Kind, Outcome, Participant, Value, Variable};
-use fmi2::{Access, Component, Failure, Instance, Logger, Model, Snapshot, Status};
+use fmi::{Access, Component, Failure, Logger, Model, Snapshot, Status};
+use fmi2::Instance;
 
 /// An instance of the component `C`.
 pub struct DirectParticipant<C: Component> {
@@ -19,8 +20,8 @@ impl<C: Component> DirectParticipant<C> {
         let (sink, participant) = (log.clone(), name.to_string());
         let logger = Logger::to_function(move |status, category, text| {
             let level = match status {
-                Status::OK => Level::Information,
-                Status::WARNING => Level::Warning,
+                Status::Ok => Level::Information,
+                Status::Warning => Level::Warning,
                 _ => Level::Error,
             };
             sink.write(&participant, level, category, text);
@@ -48,7 +49,7 @@ fn error(participant: &str, action: &str, time: f64, failure: &Failure) -> Error
         participant: participant.to_string(),
         action: action.to_string(),
         time,
-        status: failure.status.name().to_string(),
+        status: fmi2::Status::from(failure.status).name().to_string(),
         message: format!(": {}", failure.message),
     }
 }
@@ -58,7 +59,7 @@ fn describe<C: Component>(model: &Model<C>) -> Description {
         let known = model.types.iter().find(|simple| Some(simple.name) == simple_type);
         known.map_or_else(String::new, |simple| simple.unit.to_string())
     };
-    let variable = |variable: &fmi2::Variable<C>| {
+    let variable = |variable: &fmi::Variable<C>| {
         let [least, most] = participant::UNLIMITED;
         let (kind, unit, range) = match &variable.access {
             Access::Real { simple_type, minimum, maximum, .. } => {
@@ -71,9 +72,9 @@ fn describe<C: Component>(model: &Model<C>) -> Description {
             Access::Text { .. } => (Kind::String, String::new(), participant::UNLIMITED),
         };
         let causality = match variable.causality {
-            fmi2::Causality::Parameter => Causality::Parameter,
-            fmi2::Causality::Input => Causality::Input,
-            fmi2::Causality::Output => Causality::Output,
+            fmi::Causality::Parameter => Causality::Parameter,
+            fmi::Causality::Input => Causality::Input,
+            fmi::Causality::Output => Causality::Output,
         };
         let (name, description) = (variable.name.clone(), variable.description.clone());
         Variable { name, reference: variable.reference, kind, causality, unit, description, range }
@@ -159,22 +160,23 @@ impl<C: Component> Participant for DirectParticipant<C> {
                 self.time = time + duration;
                 Ok(Outcome::Done)
             }
-            Err(failure) if failure.status == Status::DISCARD || failure.status == Status::ERROR => {
-                let reason = format!("{}: {}", failure.status.name(), failure.message);
+            Err(failure) => {
+                let reason = format!("{}: {}", fmi2::Status::from(failure.status).name(), failure.message);
                 Ok(Outcome::Refused { reason })
             }
-            Err(failure) => Err(error(&self.name, "step", time, &failure)),
         }
     }
 
     fn save(&mut self, slot: usize) -> Result<(), Error> {
-        let result = self.instance.get_state();
-        let state = self.check("saving the state", result)?;
         if self.states.len() <= slot {
             self.states.resize_with(slot + 1, || None);
         }
-        self.states[slot] = Some(state);
-        Ok(())
+        // Into the memory of the earlier one: every pass saves.
+        let result = match &mut self.states[slot] {
+            Some(state) => self.instance.get_state_into(state),
+            empty => self.instance.get_state().map(|state| *empty = Some(state)),
+        };
+        self.check("saving the state", result)
     }
 
     fn restore(&mut self, slot: usize) -> Result<(), Error> {

@@ -8,7 +8,7 @@ use std::path::Path;
 /// Names of the variables of both FMUs of a scene.
 fn variables(scene: &scene::Scene) -> Vec<String> {
     use components::{FluidComponent, Interface, StructureComponent};
-    use fmi2::Component;
+    use fmi::Component;
     let interface = Interface::of(scene);
     let fluid = FluidComponent::model(&interface).variables.into_iter().map(|row| format!("fluid.{}", row.name));
     let structure = StructureComponent::model(&interface).variables.into_iter();

@@ -23,15 +23,15 @@ pub fn root() -> PathBuf {
 }
 
 /// Everything in a description: references by variable name, per type.
-pub fn references<C: fmi2::Component>(model: &fmi2::Model<C>, wanted: impl Fn(&fmi2::Variable<C>) -> bool) -> Vec<u32> {
+pub fn references<C: fmi::Component>(model: &fmi::Model<C>, wanted: impl Fn(&fmi::Variable<C>) -> bool) -> Vec<u32> {
     model.variables.iter().filter(|variable| wanted(variable)).map(|variable| variable.reference).collect()
 }
 
 /// Real outputs whose value must not differ between two runs; wall-clock times do.
-pub fn real_outputs<C: fmi2::Component>(model: &fmi2::Model<C>) -> Vec<u32> {
+pub fn real_outputs<C: fmi::Component>(model: &fmi::Model<C>) -> Vec<u32> {
     references(model, |variable| {
-        variable.causality == fmi2::Causality::Output
-            && matches!(variable.access, fmi2::Access::Real { .. })
+        variable.causality == fmi::Causality::Output
+            && matches!(variable.access, fmi::Access::Real { .. })
             && !variable.name.starts_with("stage.")
     })
 }

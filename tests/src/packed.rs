@@ -2,7 +2,8 @@
 
 use crate::root;
 use components::{INTERFACE_FILE, Interface};
-use fmi2::{Component, describe};
+use fmi::Component;
+use fmi2::describe;
 use scene::Scene;
 use std::path::PathBuf;
 

@@ -2,11 +2,12 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
 use components::{DEFAULT_SCENE, FluidComponent, Interface, LOAD, POSITION, StructureComponent};
+use fmi::{Access, Component, Logger, Model, Variable};
 use fmi_rs::fmi2::builder::FMU2Builder;
 use fmi_rs::fmi2::types::{fmi2False, fmi2Status};
 use fmi_rs::fmi2::{CS, FMU2};
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, ScalarVariable};
-use fmi2::{Access, Component, Instance, Logger, Model, Variable, describe};
+use fmi2::{Instance, describe};
 use plimsoll_tests::{real_outputs, root};
 use std::ptr::null_mut;
 
@@ -28,9 +29,9 @@ type Row<'a> = (&'a str, u32, Causality, &'static str, Option<&'a str>);
 /// As the table has it.
 fn written<'a, C: Component>(model: &'a Model<C>, variable: &'a Variable<C>) -> Row<'a> {
     let causality = match variable.causality {
-        fmi2::Causality::Parameter => Causality::Parameter,
-        fmi2::Causality::Input => Causality::Input,
-        fmi2::Causality::Output => Causality::Output,
+        fmi::Causality::Parameter => Causality::Parameter,
+        fmi::Causality::Input => Causality::Input,
+        fmi::Causality::Output => Causality::Output,
     };
     let (kind, simple_type) = match variable.access {
         Access::Real { simple_type, .. } => ("Real", simple_type),

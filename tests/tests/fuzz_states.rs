@@ -6,7 +6,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
 use components::{FluidComponent, Interface, LOAD, POSITION, StructureComponent};
-use fmi2::Component;
+use fmi::Component;
 use fmi2::ffi::{Status, StatusKind};
 use plimsoll_tests::{Library, Packed, Slave, State, real_outputs};
 use proptest::prelude::*;

@@ -2,7 +2,8 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
 use components::{DEFAULT_SCENE, FluidComponent, Interface, StructureComponent};
-use fmi2::{Causality, Component, describe};
+use fmi::{Causality, Component};
+use fmi2::describe;
 use plimsoll_tests::{Packed, root};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -40,9 +41,9 @@ fn table<C: Component<Interface = Interface>>(interface: &Interface) -> BTreeMap
     let model = C::model(interface);
     let rows = model.variables.iter().map(|variable| {
         let kind = match variable.access {
-            fmi2::Access::Real { simple_type, .. } => simple_type.unwrap_or_default().to_string(),
-            fmi2::Access::Integer { .. } => "integer".to_string(),
-            fmi2::Access::Text { .. } => "text".to_string(),
+            fmi::Access::Real { simple_type, .. } => simple_type.unwrap_or_default().to_string(),
+            fmi::Access::Integer { .. } => "integer".to_string(),
+            fmi::Access::Text { .. } => "text".to_string(),
         };
         (variable.name.clone(), (variable.reference, variable.causality, kind))
     });

@@ -18,7 +18,7 @@ fn packed() -> Packed {
     Packed::of(&["hydrostatic", "dam_break_plate", "free_decay"])
 }
 
-fn guid<C: fmi2::Component<Interface = components::Interface>>() -> String {
+fn guid<C: fmi::Component<Interface = components::Interface>>() -> String {
     packed().guid::<C>()
 }
 

@@ -2,7 +2,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
 use components::{ACCELERATION, FluidComponent, Interface, LOAD, POSITION, StructureComponent, VELOCITY};
-use fmi2::Component;
+use fmi::Component;
 use fmi2::ffi::Status;
 use plimsoll_tests::{Library, Packed, Slave};
 

@@ -3,7 +3,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
 use components::{FluidComponent, Interface, StructureComponent};
-use fmi2::Component;
+use fmi::Component;
 use fmi2::ffi::Status;
 use plimsoll_tests::{Library, Packed, Slave, real_outputs};
 

@@ -2,8 +2,9 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
 use components::{ACCELERATION, FluidComponent, Interface, LOAD, POSITION, StructureComponent, VELOCITY};
+use fmi::{Component, Logger};
+use fmi2::Instance;
 use fmi2::ffi::Status;
-use fmi2::{Component, Instance, Logger};
 use plimsoll_tests::{Library, Packed, Slave, real_outputs};
 use std::process::Command;
 

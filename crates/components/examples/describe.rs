@@ -5,7 +5,8 @@
 //! of another scene into a folder.
 
 use components::{DEFAULT_SCENE, FluidComponent, Interface, StructureComponent, find_scene};
-use fmi2::{Component, describe};
+use fmi::Component;
+use fmi2::describe;
 use scene::Scene;
 use std::error::Error;
 use std::path::Path;

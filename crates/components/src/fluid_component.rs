@@ -8,7 +8,7 @@ use crate::interface::{LOAD_ACCELERATION, Matching, check_motion, coordinate, fi
 use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
 use crate::{Error, Interface, LOAD, VELOCITY};
 use fluid::Observables;
-use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
+use fmi::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::Motion;
 use runtime::Runtime;
 use scene::Scene;

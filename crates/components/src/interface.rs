@@ -11,7 +11,7 @@ pub use matching::Matching;
 pub use rows::{ANSWER, LOADS, MOTIONS, added_masses, family};
 
 use crate::Error;
-use fmi2::{Failure, Reference};
+use fmi::{Failure, Reference};
 use kinematics::{Coordinate, CoordinateLayout, Part};
 use scene::{Scene, identifier};
 use serde::{Deserialize, Serialize};

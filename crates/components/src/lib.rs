@@ -2,7 +2,7 @@
 //! frames. The numerics are in the crates `fluid`, `structure` and `kinematics`, which know neither FMI nor files.
 //!
 //! Used by the two FMU shells, and in process by whoever wants the same bits without the C ABI:
-//! `fmi2::Instance::<components::FluidComponent>::new(..)`.
+//! `fmi::Instance::<components::FluidComponent>::new(..)`.
 
 pub mod conversion;
 mod error;

@@ -1,7 +1,7 @@
 //! The parameters that both FMUs have: which scene, and where field frames go.
 
 use crate::{Error, find_scene};
-use fmi2::{Failure, Variable};
+use fmi::{Failure, Variable};
 use frames::Series;
 use scene::Scene;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 //! Units and types of the variables; both components share them, so that connected variables have equal units.
 
-use fmi2::{SimpleType, Unit};
+use fmi::{SimpleType, Unit};
 
 /// Name, exponents of kg, m, s, rad. Units of modal quantities have square roots and thus no exponents.
 const UNITS: [(&str, Option<[i8; 4]>); 23] = [

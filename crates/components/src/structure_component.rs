@@ -7,7 +7,7 @@ mod table;
 use crate::interface::{Matching, coordinate};
 use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
 use crate::{ACCELERATION, Error, Interface, LOAD, POSITION, VELOCITY, conversion};
-use fmi2::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
+use fmi::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use frames::{Frame, Line, Series};
 use kinematics::Motion;
 use nalgebra::{DMatrix, DVector};

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use components::{FluidComponent, Interface, StructureComponent};
-use fmi2::{Component, Instance, Logger};
+use fmi::{Component, Logger};
+use fmi2::Instance;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 

@@ -1,6 +1,6 @@
 //! modelDescription.xml and the table of the documentation, from the table of variables.
 
-use crate::{Access, CATEGORIES, Causality, Component, Failure, Initial, Model, Variability, Variable};
+use fmi::{Access, CATEGORIES, Causality, Component, Failure, Initial, Model, Variability, Variable};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use std::io;

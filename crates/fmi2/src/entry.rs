@@ -13,8 +13,9 @@ pub use life::*;
 pub use state::*;
 pub use value::*;
 
+use crate::Instance;
 use crate::ffi::{self, Status};
-use crate::{Component, Failure, Instance, Mode};
+use fmi::{Component, Failure};
 use std::any::Any;
 use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -36,11 +37,8 @@ unsafe fn call<C: Component>(
         Ok(Err(failure)) => failure,
         Err(panic) => Failure::broken(format!("internal error: {}", panic_text(panic.as_ref()))),
     };
-    if failure.breaks_instance {
-        instance.mode = Mode::Error;
-    }
-    instance.logger.send(failure.status, &failure.message);
-    failure.status
+    instance.tell(&failure);
+    failure.status.into()
 }
 
 fn panic_text(panic: &(dyn Any + Send)) -> String {

@@ -1,6 +1,6 @@
 //! The exported names.
 
-/// Exports every common and co-simulation function of FMI 2.0 for one [`crate::Component`]. Functions that the model
+/// Exports every common and co-simulation function of FMI 2.0 for one `fmi::Component`. Functions that the model
 /// does not support are exported too: several importers refuse a library that lacks one.
 #[macro_export]
 macro_rules! export {

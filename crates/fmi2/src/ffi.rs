@@ -48,6 +48,17 @@ impl Status {
     }
 }
 
+impl From<fmi::Status> for Status {
+    fn from(status: fmi::Status) -> Self {
+        match status {
+            fmi::Status::Ok => Self::OK,
+            fmi::Status::Warning => Self::WARNING,
+            fmi::Status::Discard => Self::DISCARD,
+            fmi::Status::Error => Self::ERROR,
+        }
+    }
+}
+
 /// fmi2Type.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

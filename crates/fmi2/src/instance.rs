@@ -1,32 +1,20 @@
-//! One instance of a model: call sequence, checks, messages, states. Usable with and without the C ABI.
+//! An instance as FMI 2.0 sees it: the call sequence around what it does, texts that outlive their call, states that belong to
+//! a GUID.
 
-use crate::{Component, Experiment, Failure, Function, Logger, Mode, Model, Setup, Snapshot, Status, describe};
+use crate::{Function, describe};
+use fmi::{Component, Failure, Logger, Mode, Model, Reference, Snapshot};
 use std::ffi::CString;
 use std::path::PathBuf;
 use uuid::Uuid;
 
 /// An instance of the model `C`. Methods carry the names of the standard's functions and give their result; the
-/// statuses of the C functions follow from it. There are no statics: instances do not know of each other.
+/// statuses of the C functions follow from it. Usable with and without the C ABI.
 pub struct Instance<C: Component> {
-    pub(crate) component: C,
-    pub(crate) model: Model<C>,
-    pub(crate) logger: Logger,
-    pub(crate) mode: Mode,
-    /// Texts that the last fmi2GetString handed out.
-    pub(crate) texts: Vec<CString>,
-    setup: Setup<C::Interface>,
+    inner: fmi::Instance<C>,
     guid: Uuid,
-    experiment: Experiment,
-    time: f64,
-    /// A parameter was changed after the initial state was built.
-    pub(crate) stale: bool,
+    /// Texts that the last fmi2GetString handed out.
+    texts: Vec<CString>,
 }
-
-fn broken(failure: Failure) -> Failure {
-    Failure::broken(failure.message)
-}
-
-const EXPERIMENT: Experiment = Experiment { start: 0.0, stop: None, tolerance: None };
 
 impl<C: Component> Instance<C> {
     /// An instance with this interface, for use in process.
@@ -34,24 +22,9 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// A table that makes no description.
     pub fn new(interface: C::Interface, resources: Option<PathBuf>, logger: Logger) -> Result<Self, Failure> {
-        let model = C::model(&interface);
-        let guid = describe::guid(&model)?;
-        let setup = Setup { interface, resources };
-        let component = C::new(&setup);
-        let mut instance = Self {
-            component,
-            model,
-            logger,
-            mode: Mode::Instantiated,
-            texts: Vec::new(),
-            setup,
-            guid,
-            experiment: EXPERIMENT,
-            time: 0.0,
-            stale: false,
-        };
-        instance.set_start_values();
-        Ok(instance)
+        let inner = fmi::Instance::new(interface, resources, logger);
+        let guid = describe::guid(inner.model())?;
+        Ok(Self { inner, guid, texts: Vec::new() })
     }
 
     /// The instance that this GUID asks for, with or without braces: that of the resources, or one without any.
@@ -74,192 +47,152 @@ impl<C: Component> Instance<C> {
         Err(Failure::refused(format!("the GUID '{guid}' is not {}, {of}", instance.guid)))
     }
 
-    fn set_start_values(&mut self) {
-        use crate::Access::{Integer, Real, Text};
-        for variable in &self.model.variables {
-            match variable.access {
-                Real { set: Some(set), start: Some(value), .. } => set(&mut self.component, variable.index, value),
-                Integer { set: Some(set), start: Some(value), .. } => set(&mut self.component, variable.index, value),
-                Text { set: Some(set), start: Some(value), .. } => set(&mut self.component, variable.index, value),
-                _ => {}
-            }
-        }
-    }
-
     /// The model's table and description.
     pub fn model(&self) -> &Model<C> {
-        &self.model
+        self.inner.model()
     }
 
     /// The component, to look at in tests.
     pub fn component(&self) -> &C {
-        &self.component
+        self.inner.component()
     }
 
     /// Mode of the state machine.
     pub fn mode(&self) -> Mode {
-        self.mode
+        self.inner.mode()
     }
 
     /// Time of the communication point \[s\].
     pub fn time(&self) -> f64 {
-        self.time
+        self.inner.time()
     }
 
-    /// Puts the instance into the error mode when a call broke it.
-    pub(crate) fn note<T>(&mut self, result: Result<T, Failure>) -> Result<T, Failure> {
-        if result.as_ref().is_err_and(|failure| failure.breaks_instance) {
-            self.mode = Mode::Error;
-        }
-        result
-    }
-
+    /// Refuses a call that the standard does not allow in this mode.
     pub(crate) fn allow(&self, function: Function) -> Result<(), Failure> {
-        function.check(self.mode)
+        function.check(self.mode())
+    }
+
+    /// What the calls are made on, where this one is allowed.
+    fn calling(&mut self, function: Function) -> Result<&mut fmi::Instance<C>, Failure> {
+        self.allow(function)?;
+        Ok(&mut self.inner)
+    }
+
+    /// Sends the message of a call that failed, which may have broken the instance.
+    pub(crate) fn tell(&mut self, failure: &Failure) {
+        if failure.breaks_instance {
+            self.inner.break_down();
+        }
+        self.inner.logger().send(failure.status, &failure.message);
     }
 
     /// fmi2SetDebugLogging.
     pub fn set_debug_logging(&mut self, on: bool, categories: &[String]) -> Result<(), Failure> {
-        self.allow(Function::SetDebugLogging)?;
-        self.logger.switch(on, categories);
+        self.calling(Function::SetDebugLogging)?.logger().switch(on, categories);
         Ok(())
     }
 
     /// fmi2SetupExperiment; times in s.
     pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Failure> {
-        self.allow(Function::SetupExperiment)?;
-        if !start.is_finite() {
-            return Err(Failure::refused(format!("start time {start}: expected a finite number")));
-        }
-        if let Some(stop) = stop.filter(|&stop| stop.is_nan() || stop < start) {
-            return Err(Failure::refused(format!("stop time {stop} s: expected a number from the start {start} s on")));
-        }
-        self.experiment = Experiment { start, stop, tolerance };
-        self.time = start;
-        Ok(())
+        self.calling(Function::SetupExperiment)?.setup_experiment(tolerance, start, stop)
     }
 
     /// fmi2EnterInitializationMode: builds the initial state.
     pub fn enter_initialization_mode(&mut self) -> Result<(), Failure> {
-        self.allow(Function::EnterInitializationMode)?;
-        self.mode = Mode::Initialization;
-        self.stale = true;
-        self.refresh()
-    }
-
-    /// Builds the initial state anew when parameters changed since.
-    pub(crate) fn refresh(&mut self) -> Result<(), Failure> {
-        if self.stale && self.mode == Mode::Initialization {
-            let result = self.component.initialise(&self.experiment, &self.logger).map_err(broken);
-            self.note(result)?;
-            self.stale = false;
-        }
-        Ok(())
+        self.calling(Function::EnterInitializationMode)?.enter_initialization()
     }
 
     /// fmi2ExitInitializationMode.
     pub fn exit_initialization_mode(&mut self) -> Result<(), Failure> {
-        self.allow(Function::ExitInitializationMode)?;
-        self.refresh()?;
-        self.mode = Mode::StepComplete;
-        Ok(())
+        self.calling(Function::ExitInitializationMode)?.exit_initialization()
     }
 
     /// fmi2Terminate.
     pub fn terminate(&mut self) -> Result<(), Failure> {
-        self.allow(Function::Terminate)?;
-        self.mode = Mode::Terminated;
-        let result = self.component.terminate(&self.logger);
-        self.note(result)
+        self.calling(Function::Terminate)?.terminate()
     }
 
     /// fmi2Reset: as after instantiation.
     pub fn reset(&mut self) -> Result<(), Failure> {
-        self.allow(Function::Reset)?;
-        self.component = C::new(&self.setup);
-        self.set_start_values();
-        self.mode = Mode::Instantiated;
-        self.experiment = EXPERIMENT;
-        self.time = 0.0;
-        self.stale = false;
+        self.calling(Function::Reset)?.reset();
         Ok(())
     }
 
     /// fmi2DoStep from the communication point `time` over `step` \[s\].
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), Failure> {
-        self.allow(Function::DoStep)?;
-        if !(step.is_finite() && step > 0.0) {
-            return Err(Failure::refused(format!("communication step {step} s: expected a positive, finite number")));
-        }
-        // Importers add up or multiply their time, so it may differ in the last digits.
-        let allowance = 1e-6 * step + 8.0 * f64::EPSILON * self.time.abs();
-        let distance = (time - self.time).abs();
-        if distance.is_nan() || distance > allowance {
-            return Err(Failure::refused(format!(
-                "communication point {time} s: expected {} s, where the last step ended, which is {distance:e} s away; \
-                 restore a state to go back",
-                self.time
-            )));
-        }
-        let end = time + step;
-        if let Some(stop) = self.experiment.stop.filter(|&stop| end > stop + allowance) {
-            return Err(Failure::refused(format!(
-                "a step to {end} s passes the stop time {stop} s by {:e} s",
-                end - stop
-            )));
-        }
-        match self.component.do_step(time, step, &self.logger) {
-            Ok(()) => {
-                self.time = end;
-                Ok(())
+        self.calling(Function::DoStep)?.do_step(time, step)
+    }
+
+    /// fmi2GetReal.
+    pub fn get_real(&mut self, references: &[Reference], values: &mut [f64]) -> Result<(), Failure> {
+        self.calling(Function::GetReal)?.get_real(references, values)
+    }
+
+    /// fmi2GetInteger.
+    pub fn get_integer(&mut self, references: &[Reference], values: &mut [i32]) -> Result<(), Failure> {
+        self.calling(Function::GetInteger)?.get_integer(references, values)
+    }
+
+    /// fmi2GetString; the texts live in the instance until the next call of it.
+    pub fn get_string(&mut self, references: &[Reference]) -> Result<&[CString], Failure> {
+        let texts = self.calling(Function::GetString)?.get_string(references)?;
+        let text = |text: String| CString::new(text.replace('\0', " ")).unwrap_or_default();
+        self.texts = texts.into_iter().map(text).collect();
+        Ok(&self.texts)
+    }
+
+    /// fmi2SetReal. A value that is not a finite number breaks the instance; one out of range is discarded.
+    pub fn set_real(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Failure> {
+        self.calling(Function::SetReal)?.set_real(references, values)
+    }
+
+    /// fmi2SetInteger. A value out of range is discarded.
+    pub fn set_integer(&mut self, references: &[Reference], values: &[i32]) -> Result<(), Failure> {
+        self.calling(Function::SetInteger)?.set_integer(references, values)
+    }
+
+    /// fmi2SetString.
+    pub fn set_string(&mut self, references: &[Reference], values: &[&str]) -> Result<(), Failure> {
+        self.calling(Function::SetString)?.set_string(references, values)
+    }
+
+    /// fmi2GetBoolean and fmi2SetBoolean: the table has no booleans, so any reference is unknown.
+    pub fn no_boolean(&self, function: Function, references: &[Reference]) -> Result<(), Failure> {
+        self.allow(function)?;
+        match references.first() {
+            None => Ok(()),
+            Some(reference) => {
+                Err(Failure::refused(format!("no boolean variable has the value reference {reference}")))
             }
-            Err(failure) => {
-                self.mode = if failure.status == Status::DISCARD { Mode::StepFailed } else { Mode::Error };
-                Err(failure)
-            }
         }
+    }
+
+    /// fmi2GetDirectionalDerivative: d unknown(t + H) / d known . seed, the known ones held over the last step.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[Reference],
+        knowns: &[Reference],
+        seed: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
+        self.calling(Function::GetDirectionalDerivative)?.directional_derivative(unknowns, knowns, seed)
     }
 
     /// fmi2GetFMUstate.
     pub fn get_state(&self) -> Result<Snapshot<C::State>, Failure> {
         self.allow(Function::GetFmuState)?;
-        Ok(Snapshot {
-            mode: self.mode,
-            start: self.experiment.start,
-            stop: self.experiment.stop,
-            tolerance: self.experiment.tolerance,
-            time: self.time,
-            component: self.component.save(),
-        })
+        Ok(self.inner.get_state())
     }
 
     /// fmi2GetFMUstate into the memory of an earlier state.
     pub fn get_state_into(&self, snapshot: &mut Snapshot<C::State>) -> Result<(), Failure> {
         self.allow(Function::GetFmuState)?;
-        let Snapshot { mode, start, stop, tolerance, time, component } = snapshot;
-        (*mode, *time) = (self.mode, self.time);
-        (*start, *stop, *tolerance) = (self.experiment.start, self.experiment.stop, self.experiment.tolerance);
-        self.component.save_into(component);
+        self.inner.get_state_into(snapshot);
         Ok(())
     }
 
     /// fmi2SetFMUstate.
     pub fn set_state(&mut self, snapshot: &Snapshot<C::State>) -> Result<(), Failure> {
-        self.allow(Function::SetFmuState)?;
-        self.component.accept(&snapshot.component)?;
-        let result = self.component.restore(&snapshot.component).map_err(broken);
-        self.note(result)?;
-        self.mode = snapshot.mode;
-        // How long it lasts is the importer's to say: one that goes on from an earlier run may go on for longer.
-        let stop = match (self.experiment.stop, snapshot.stop) {
-            (Some(own), Some(its)) => Some(own.max(its)),
-            (None, its) => its,
-            (Some(_), None) => None,
-        };
-        self.experiment = Experiment { start: snapshot.start, stop, tolerance: snapshot.tolerance };
-        self.time = snapshot.time;
-        self.stale = snapshot.mode == Mode::Initialization;
-        Ok(())
+        self.calling(Function::SetFmuState)?.set_state(snapshot)
     }
 
     /// fmi2SerializeFMUstate.
@@ -272,10 +205,7 @@ impl<C: Component> Instance<C> {
     pub fn deserialize(&self, bytes: &[u8]) -> Result<Snapshot<C::State>, Failure> {
         self.allow(Function::DeSerializeFmuState)?;
         let snapshot = Snapshot::from_bytes(bytes, self.guid)?;
-        snapshot.check_times()?;
-        let refuse = |failure: Failure| Failure::refused(format!("serialised state: {}", failure.message));
-        self.component.accept(&snapshot.component).map_err(refuse)?;
-        self.component.check(&snapshot.component).map_err(refuse)?;
+        self.inner.check_state(&snapshot)?;
         Ok(snapshot)
     }
 }

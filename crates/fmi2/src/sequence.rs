@@ -1,40 +1,16 @@
 //! The call sequence of the standard as one table (FMI 2.0.5, section 4.2.4).
 
-use crate::Failure;
-use serde::{Deserialize, Serialize};
+use fmi::{Failure, Mode};
 
-/// Mode of the state machine of a co-simulation slave. Asynchronous steps are not offered, so the standard's
-/// `stepInProgress` and `stepCanceled` are never entered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Mode {
-    /// After fmi2Instantiate or fmi2Reset.
-    Instantiated,
-    /// Between fmi2EnterInitializationMode and fmi2ExitInitializationMode.
-    Initialization,
-    /// At a communication point.
-    StepComplete,
-    /// After a step that was discarded.
-    StepFailed,
-    /// After fmi2Terminate.
-    Terminated,
-    /// After fmi2Error from a step, the initialisation or a value that is not finite.
-    Error,
-}
-
-impl Mode {
-    fn bit(self) -> u8 {
-        1 << self as u8
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Instantiated => "instantiated",
-            Self::Initialization => "initialization mode",
-            Self::StepComplete => "step complete",
-            Self::StepFailed => "step failed",
-            Self::Terminated => "terminated",
-            Self::Error => "error",
-        }
+/// Asynchronous steps are not offered, so the standard's `stepInProgress` and `stepCanceled` are never entered.
+fn name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Instantiated => "instantiated",
+        Mode::Initialization => "initialization mode",
+        Mode::StepComplete => "step complete",
+        Mode::StepFailed => "step failed",
+        Mode::Terminated => "terminated",
+        Mode::Error => "error",
     }
 }
 
@@ -128,7 +104,7 @@ impl Function {
 
     /// Whether the call is allowed in this mode.
     pub fn allowed(self, mode: Mode) -> bool {
-        self.row().1 & mode.bit() != 0
+        self.row().1 & (1 << mode as u8) != 0
     }
 
     /// Refuses a call that the standard does not allow in this mode.
@@ -146,10 +122,10 @@ impl Function {
         ]
         .into_iter()
         .filter(|&candidate| self.allowed(candidate))
-        .map(Mode::name)
+        .map(name)
         .collect();
         let allowed = if allowed.is_empty() { "no mode".to_string() } else { allowed.join(", ") };
-        let name = self.name();
-        Err(Failure::refused(format!("{name} is not allowed in mode '{}', only in: {allowed}", mode.name())))
+        let (function, mode) = (self.name(), name(mode));
+        Err(Failure::refused(format!("{function} is not allowed in mode '{mode}', only in: {allowed}")))
     }
 }

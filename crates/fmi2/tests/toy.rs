@@ -1,11 +1,9 @@
 //! The export layer around a toy model, through the functions behind the C ABI and in process.
 #![allow(missing_docs, clippy::unwrap_used, reason = "test")]
 
+use fmi::{Component, DefaultExperiment, Experiment, Failure, Logger, Mode, Model, Reference, Setup, Unit, Variable};
 use fmi2::ffi::{self, Status, StatusKind};
-use fmi2::{
-    Component, DefaultExperiment, Experiment, Failure, Instance, Logger, Mode, Model, Reference, Setup, Unit, Variable,
-    describe, entry,
-};
+use fmi2::{Instance, describe, entry};
 use serde::{Deserialize, Serialize};
 use std::ffi::{CStr, CString};
 use std::path::Path;

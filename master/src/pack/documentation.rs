@@ -1,6 +1,6 @@
 //! documentation/index.html of an FMU: what it solves, and the table of its variables.
 
-use fmi2::{Access, Causality, Model, Variable};
+use fmi::{Access, Causality, Model, Variable};
 
 /// Equations of the fluid.
 pub const FLUID: &str = include_str!("../../documentation/fluid.html");

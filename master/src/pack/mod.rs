@@ -6,7 +6,8 @@ mod places;
 pub mod ssp;
 
 use components::{DEFAULT_SCENE, FluidComponent, INTERFACE_FILE, Interface, OWN_SCENE, StructureComponent};
-use fmi2::{Component, Model, describe};
+use fmi::{Component, Model};
+use fmi2::describe;
 use scene::Scene;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -145,11 +146,11 @@ fn archives(
 /// Name and kind (`input` or `output`) of the real variables that can be connected of an FMU of this program.
 fn reals(name: &str, interface: &Interface) -> Vec<(String, &'static str)> {
     fn list<C>(model: &Model<C>) -> Vec<(String, &'static str)> {
-        let real = |variable: &&fmi2::Variable<C>| matches!(variable.access, fmi2::Access::Real { .. });
+        let real = |variable: &&fmi::Variable<C>| matches!(variable.access, fmi::Access::Real { .. });
         let connectable = model.variables.iter().filter(real).filter_map(|variable| match variable.causality {
-            fmi2::Causality::Input => Some((variable.name.clone(), "input")),
-            fmi2::Causality::Output => Some((variable.name.clone(), "output")),
-            fmi2::Causality::Parameter => None,
+            fmi::Causality::Input => Some((variable.name.clone(), "input")),
+            fmi::Causality::Output => Some((variable.name.clone(), "output")),
+            fmi::Causality::Parameter => None,
         });
         connectable.collect()
     }

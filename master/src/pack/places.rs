@@ -2,7 +2,8 @@
 
 use super::Error;
 use components::{FluidComponent, Interface};
-use fmi2::{Component, describe};
+use fmi::Component;
+use fmi2::describe;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@ use crate::interface::Matching;
 use crate::parameters::{SceneParameters, same_model};
 use crate::{Error, Interface, conversion};
 use digits::six;
-use fmi2::Failure;
+use fmi::Failure;
 use frames::{Field, Frame, Series, single, write_frame};
 use kinematics::Motion;
 use nalgebra::Vector2;

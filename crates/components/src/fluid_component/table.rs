@@ -5,7 +5,7 @@ use crate::interface::{ANSWER, GAUGE, LOADS, MOTIONS, PROBE, REGION, added_masse
 use crate::parameters::{output_rows, scene_rows};
 use crate::{Interface, quantities};
 use fluid::Observables;
-use fmi2::{DefaultExperiment, Model, Reference, Variable};
+use fmi::{DefaultExperiment, Model, Reference, Variable};
 
 type Row = Variable<FluidComponent>;
 

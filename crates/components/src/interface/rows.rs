@@ -1,7 +1,7 @@
 //! The rows of both tables for the coordinates of the bodies.
 
 use super::{ACCELERATION, ADDED_MASS, Interface, LOAD, LOAD_ACCELERATION, POSITION, ROW, VELOCITY};
-use fmi2::{Reference, Variable};
+use fmi::{Reference, Variable};
 use kinematics::{Coordinate, Part};
 
 /// One family of variables, a member for each coordinate.

@@ -3,7 +3,7 @@
 use super::{LastStep, Progress, Runtime, State};
 use crate::Interface;
 use crate::interface::{check_motion, finite, length};
-use fmi2::Failure;
+use fmi::Failure;
 use structure::{AddedMass, Solver};
 
 fn sound(solver: &Solver, what: &str, state: &structure::State) -> Result<(), Failure> {
@@ -61,7 +61,7 @@ impl Progress {
 mod tests {
     use super::*;
     use crate::StructureComponent;
-    use fmi2::{Component, Setup};
+    use fmi::{Component, Setup};
     use nalgebra::{DMatrix, DVector};
 
     /// A plate that swung for a step, and its state.

@@ -4,7 +4,7 @@ use super::StructureComponent;
 use crate::interface::{ANSWER, DEFLECTION, LOADS, MODULUS, MOTIONS, added_masses, family};
 use crate::parameters::{output_rows, scene_rows};
 use crate::{Interface, quantities};
-use fmi2::{DefaultExperiment, Model, Reference, Variable};
+use fmi::{DefaultExperiment, Model, Reference, Variable};
 
 type Row = Variable<StructureComponent>;
 

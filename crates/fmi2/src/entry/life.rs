@@ -2,7 +2,8 @@
 
 use super::{call, panic_text, slice, text};
 use crate::ffi::{self, Boolean, CallbackFunctions, Real, Status, StatusKind, Text, Type};
-use crate::{Component, Failure, Function, Instance, Logger, resources};
+use crate::{Function, Instance, callback, resources};
+use fmi::{Component, Failure, Logger};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// fmi2Instantiate.
@@ -18,7 +19,7 @@ pub unsafe fn instantiate<C: Component>(
     // SAFETY: the standard passes NULL or a valid struct; it is copied because it is valid during this call only.
     let functions = unsafe { callbacks.as_ref() }.copied();
     let logger = |name: &str| match functions {
-        Some(functions) => Logger::to_callback(functions, name, logging_on != ffi::FALSE),
+        Some(functions) => callback::logger(functions, name, logging_on != ffi::FALSE),
         None => Logger::silent(),
     };
     let body = || -> Result<Instance<C>, Failure> {
@@ -47,7 +48,7 @@ pub unsafe fn instantiate<C: Component>(
     };
     // SAFETY: as above; a name that cannot be read is replaced.
     let shown = unsafe { text(name, "instanceName") }.unwrap_or("unnamed instance");
-    logger(shown).send(Status::ERROR, &message);
+    logger(shown).send(fmi::Status::Error, &message);
     std::ptr::null_mut()
 }
 

@@ -1,8 +1,9 @@
 //! States: get, set, free, to and from bytes.
 
 use super::{call, slice, slice_mut};
+use crate::Function;
 use crate::ffi::{self, Byte, FmuState, Status};
-use crate::{Component, Failure, Function, Snapshot};
+use fmi::{Component, Failure, Snapshot};
 
 /// fmi2GetFMUstate: a handle that is not NULL is overwritten.
 pub unsafe fn get_state<C: Component>(component: ffi::Component, state: *mut FmuState) -> Status {

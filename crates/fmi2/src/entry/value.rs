@@ -1,8 +1,9 @@
 //! Getters, setters, derivatives.
 
 use super::{call, slice, slice_mut, text};
+use crate::Function;
 use crate::ffi::{self, Boolean, Integer, Real, Status, Text, ValueReference};
-use crate::{Component, Failure, Function};
+use fmi::{Component, Failure};
 
 /// fmi2GetReal.
 pub unsafe fn get_real<C: Component>(

@@ -77,7 +77,7 @@ pub struct Experiment {
     pub tolerance: Option<f64>,
 }
 
-/// A model behind an FMU. It knows its physics and its table; [`crate::Instance`] knows the standard.
+/// A model behind an FMU. It knows its physics and its table; [`crate::Instance`] drives it.
 pub trait Component: Sized + 'static {
     /// Everything that must survive a step or decides its result: parameters, inputs, outputs, solver state. Scratch
     /// space does not belong to it.

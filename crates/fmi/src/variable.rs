@@ -2,7 +2,7 @@
 
 use crate::Reference;
 
-/// Role of a variable (FMI 2.0.5, section 2.2.7).
+/// Role of a variable (FMI 2.0.5, section 2.2.7; the same in 3.0).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Causality {
     /// Set before the run.
@@ -37,7 +37,7 @@ pub enum Initial {
 /// the elements of an array share one function.
 #[allow(missing_docs, reason = "the fields are the same in every member and named after the standard's attributes")]
 pub enum Access<C> {
-    /// fmi2Real.
+    /// A number.
     Real {
         get: fn(&C, usize) -> f64,
         set: Option<fn(&mut C, usize, f64)>,
@@ -48,7 +48,7 @@ pub enum Access<C> {
         /// Name of one of the model's simple types; it brings quantity and unit.
         simple_type: Option<&'static str>,
     },
-    /// fmi2Integer.
+    /// A whole number.
     Integer {
         get: fn(&C, usize) -> i32,
         set: Option<fn(&mut C, usize, i32)>,
@@ -56,7 +56,7 @@ pub enum Access<C> {
         minimum: Option<i32>,
         maximum: Option<i32>,
     },
-    /// fmi2String.
+    /// A text.
     Text { get: fn(&C, usize) -> String, set: Option<fn(&mut C, usize, &str)>, start: Option<&'static str> },
 }
 

@@ -1,12 +1,11 @@
 //! Getting and setting variables by reference.
 
-use crate::{Access, Causality, Component, Failure, Function, Instance, Mode, Reference, Variable};
-use std::ffi::CString;
+use crate::{Access, Causality, Component, Failure, Instance, Mode, Reference, Variable};
 
 impl<C: Component> Instance<C> {
-    /// fmi2GetReal.
+    /// Numbers of these variables.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [f64]) -> Result<(), Failure> {
-        self.readable(Function::GetReal)?;
+        self.refresh()?;
         for (&reference, value) in references.iter().zip(values) {
             let variable = self.find(reference, "real", |access| matches!(access, Access::Real { .. }))?;
             if let Access::Real { get, .. } = variable.access {
@@ -16,9 +15,9 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    /// fmi2GetInteger.
+    /// Whole numbers of these variables.
     pub fn get_integer(&mut self, references: &[Reference], values: &mut [i32]) -> Result<(), Failure> {
-        self.readable(Function::GetInteger)?;
+        self.refresh()?;
         for (&reference, value) in references.iter().zip(values) {
             let variable = self.find(reference, "integer", |access| matches!(access, Access::Integer { .. }))?;
             if let Access::Integer { get, .. } = variable.access {
@@ -28,24 +27,21 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    /// fmi2GetString; the texts live in the instance until the next call of it.
-    pub fn get_string(&mut self, references: &[Reference]) -> Result<&[CString], Failure> {
-        self.readable(Function::GetString)?;
+    /// Texts of these variables.
+    pub fn get_string(&mut self, references: &[Reference]) -> Result<Vec<String>, Failure> {
+        self.refresh()?;
         let mut texts = Vec::with_capacity(references.len());
         for &reference in references {
             let variable = self.find(reference, "string", |access| matches!(access, Access::Text { .. }))?;
             if let Access::Text { get, .. } = variable.access {
-                let text = get(&self.component, variable.index).replace('\0', " ");
-                texts.push(CString::new(text).unwrap_or_default());
+                texts.push(get(&self.component, variable.index));
             }
         }
-        self.texts = texts;
-        Ok(&self.texts)
+        Ok(texts)
     }
 
-    /// fmi2SetReal. A value that is not a finite number breaks the instance; one out of range is discarded.
+    /// Sets numbers. A value that is not a finite number breaks the instance; one out of range is discarded.
     pub fn set_real(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Failure> {
-        self.allow(Function::SetReal)?;
         for (&reference, &value) in references.iter().zip(values) {
             let variable = self.find(reference, "real", |access| matches!(access, Access::Real { .. }))?;
             let Access::Real { set, minimum, maximum, .. } = variable.access else { continue };
@@ -65,9 +61,8 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    /// fmi2SetInteger. A value out of range is discarded.
+    /// Sets whole numbers. A value out of range is discarded.
     pub fn set_integer(&mut self, references: &[Reference], values: &[i32]) -> Result<(), Failure> {
-        self.allow(Function::SetInteger)?;
         for (&reference, &value) in references.iter().zip(values) {
             let variable = self.find(reference, "integer", |access| matches!(access, Access::Integer { .. }))?;
             let Access::Integer { set, minimum, maximum, .. } = variable.access else { continue };
@@ -83,9 +78,8 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    /// fmi2SetString.
+    /// Sets texts.
     pub fn set_string(&mut self, references: &[Reference], values: &[&str]) -> Result<(), Failure> {
-        self.allow(Function::SetString)?;
         for (&reference, value) in references.iter().zip(values) {
             let variable = self.find(reference, "string", |access| matches!(access, Access::Text { .. }))?;
             let Access::Text { set, .. } = variable.access else { continue };
@@ -97,25 +91,14 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    /// fmi2GetBoolean and fmi2SetBoolean: the table has no booleans, so any reference is unknown.
-    pub fn no_boolean(&self, function: Function, references: &[Reference]) -> Result<(), Failure> {
-        self.allow(function)?;
-        match references.first() {
-            None => Ok(()),
-            Some(reference) => {
-                Err(Failure::refused(format!("no boolean variable has the value reference {reference}")))
-            }
-        }
-    }
-
-    /// fmi2GetDirectionalDerivative: d unknown(t + H) / d known . seed, the known ones held over the last step.
+    /// d unknown(t + H) / d known . seed, the known ones held over the last step.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[Reference],
         knowns: &[Reference],
         seed: &[f64],
     ) -> Result<Vec<f64>, Failure> {
-        self.readable(Function::GetDirectionalDerivative)?;
+        self.refresh()?;
         if !self.model.directional_derivatives {
             return Err(Failure::refused("directional derivatives are not provided by this model"));
         }
@@ -136,11 +119,6 @@ impl<C: Component> Instance<C> {
         Ok((0..unknowns.len()).map(row).collect())
     }
 
-    fn readable(&mut self, function: Function) -> Result<(), Failure> {
-        self.allow(function)?;
-        self.refresh()
-    }
-
     fn find(&self, reference: Reference, kind: &str, fits: fn(&Access<C>) -> bool) -> Result<&Variable<C>, Failure> {
         self.model
             .variables
@@ -159,7 +137,7 @@ impl<C: Component> Instance<C> {
                 Ok(set)
             }
             (Causality::Parameter, Some(_)) => {
-                Err(Failure::refused(format!("{name} is a fixed parameter: set it before fmi2ExitInitializationMode")))
+                Err(Failure::refused(format!("{name} is a fixed parameter: set it before the initialisation ends")))
             }
             _ => Err(Failure::refused(format!("{name} is an output and cannot be set"))),
         }
