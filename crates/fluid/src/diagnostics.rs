@@ -9,7 +9,7 @@ use crate::voronoi::outline::Outline;
 use nalgebra::Vector2;
 
 /// Quantities of one state.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Observables {
     /// Pressures at the probes \[Pa\].
     pub probes: Vec<f64>,

@@ -146,8 +146,9 @@ pub enum Error {
 pub(crate) fn place(point: &Vector2<f64>) -> String {
     format!("({}, {})", six(point.x), six(point.y))
 }
+
 impl From<keys::OutOfRange> for Error {
-    fn from(keys::OutOfRange { key, got }: keys::OutOfRange) -> Self {
+    fn from(keys::OutOfRange { key, got, .. }: keys::OutOfRange) -> Self {
         Self::Parameter { name: key.name, got, expected: format!("a number from {} to {}", key.low, key.high) }
     }
 }

@@ -1,4 +1,15 @@
-//! One row of the table of variables. The table yields XML, getters, setters and documentation.
+//! One row of the table of variables. The table yields XML, getters, setters and documentation: a row is all that a variable
+//! needs.
+//!
+//! ```
+//! use fmi::{Access, Variable};
+//! struct Tank {
+//!     level: f64,
+//! }
+//! let row = Variable::real(42, "level", "height of the water", "Length", |tank: &Tank, _| tank.level);
+//! let Access::Real { get, .. } = row.access else { panic!("a number") };
+//! assert_eq!(get(&Tank { level: 0.3 }, row.index), 0.3);
+//! ```
 
 use crate::Reference;
 

@@ -5,43 +5,33 @@ use keys::keys;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A rigid body, a cabin for example, with its flexible members.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Body {
-    /// Name, in reports, in the variables of the FMUs and in key paths.
-    pub name: String,
-    /// Place of the centre of gravity of the rigid part at the start \[m\].
-    #[serde(default)]
-    pub origin: Point,
-    /// Rotation at the start \[rad\], counter-clockwise.
-    #[serde(default)]
-    pub angle: f64,
-    /// Rigid degrees of freedom that move; the others are not solved for.
-    #[serde(default)]
-    pub free: Vec<Freedom>,
-    /// Mass of the rigid part \[kg/m\]; needed when it moves.
-    #[serde(default)]
-    pub mass: f64,
-    /// Moment of inertia of the rigid part about its centre of gravity \[kg m2/m\]; needed when it rotates.
-    #[serde(default)]
-    pub inertia: f64,
-    /// Springs that pull x, y and theta back to the pose of the scene \[N/m, N/m, N m/rad, per metre of width\].
-    #[serde(default)]
-    pub springs: [f64; 3],
-    /// Wetted rigid walls in the body frame, fluid on the left when walked along.
-    #[serde(default)]
-    pub wall: Vec<Wall>,
-    /// The flexible members.
-    #[serde(default)]
-    pub member: Vec<Member>,
-    /// Contact of the corners of `wall` with the fluid's fixed walls; without it a run stops where they meet.
-    #[serde(default)]
-    pub contact: Option<Contact>,
-    /// A constant load on the coordinates of the body, for scenes without water: on x, y, theta \[N/m, N/m, N m/m\], then
-    /// on the modes of its members in their order \[N per modal unit\].
-    #[serde(default)]
-    pub constant_load: Vec<f64>,
+keys! {
+    /// A rigid body, a cabin for example, with its flexible members.
+    pub struct Body {
+        /// Name, in reports, in the variables of the FMUs and in key paths.
+        name: String;
+        /// Place of the centre of gravity of the rigid part at the start \[m\].
+        origin: Point = [0.0, 0.0], each in -1e9 to 1e9;
+        /// Rotation at the start \[rad\], counter-clockwise.
+        angle: f64 = 0.0, in -10.0 to 10.0;
+        /// Rigid degrees of freedom that move; the others are not solved for.
+        free: Vec<Freedom> = Vec::new();
+        /// Mass of the rigid part \[kg/m\]; needed when it moves.
+        mass: f64 = 0.0, in 0.0 to 1e15;
+        /// Moment of inertia of the rigid part about its centre of gravity \[kg m2/m\]; needed when it rotates.
+        inertia: f64 = 0.0, in 0.0 to 1e15;
+        /// Springs that pull x, y and theta back to the pose of the scene \[N/m, N/m, N m/rad, per metre of width\].
+        springs: [f64; 3] = [0.0; 3], each in 0.0 to 1e15;
+        /// Wetted rigid walls in the body frame, fluid on the left when walked along.
+        wall: Vec<Wall> = Vec::new();
+        /// The flexible members.
+        member: Vec<Member> = Vec::new();
+        /// Contact of the corners of `wall` with the fluid's fixed walls; without it a run stops where they meet.
+        contact: Option<Contact> = None;
+        /// A constant load on the coordinates of the body, for scenes without water: on x, y, theta \[N/m, N/m, N m/m\], then
+        /// on the modes of its members in their order \[N per modal unit\].
+        constant_load: Vec<f64> = Vec::new(), each in -1e15 to 1e15;
+    }
 }
 
 impl Body {
@@ -80,40 +70,35 @@ pub enum Freedom {
     Theta,
 }
 
-/// A flexible member: a beam.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Member {
-    /// Name, in reports, in the variables of the FMUs and in key paths.
-    pub name: String,
-    /// How its ends are held.
-    pub support: Support,
-    /// Middle of the undeformed beam in the body frame \[m\]; its axis runs along +y of the body.
-    pub middle: Point,
-    /// Length l \[m\].
-    pub length: f64,
-    /// Thickness h \[m\].
-    pub thickness: f64,
-    /// Density \[kg/m3\].
-    pub density: f64,
-    /// Young's modulus E \[Pa\].
-    pub youngs_modulus: f64,
-    /// Poisson's ratio; given, the plate is in plane strain, E h^3 / (12 (1 - nu^2)).
-    #[serde(default)]
-    pub poisson_ratio: Option<f64>,
-    /// Number of modes, 0 (rigid) to 20.
-    #[serde(default = "three")]
-    pub modes: usize,
-    /// Largest deflection over length for which the beam counts as linear; a run that exceeds it stops. Missing: 0.1
-    /// between fixed ends, 0.6 of a clamped one.
-    #[serde(default)]
-    pub deflection_limit: Option<f64>,
-    /// Damping ratios of the modes; missing ones are 0.
-    #[serde(default)]
-    pub damping: Vec<f64>,
-    /// Modal coordinates at the start \[m sqrt(kg/m)\]; missing ones are 0.
-    #[serde(default)]
-    pub initial_modes: Vec<f64>,
+keys! {
+    /// A flexible member: a beam.
+    pub struct Member {
+        /// Name, in reports, in the variables of the FMUs and in key paths.
+        name: String;
+        /// How its ends are held.
+        support: Support;
+        /// Middle of the undeformed beam in the body frame \[m\]; its axis runs along +y of the body.
+        middle: Point, each in -1e9 to 1e9;
+        /// Length l \[m\].
+        length: f64, above 0;
+        /// Thickness h \[m\].
+        thickness: f64, above 0;
+        /// Density \[kg/m3\].
+        density: f64, above 0;
+        /// Young's modulus E \[Pa\].
+        youngs_modulus: f64, above 0;
+        /// Poisson's ratio; given, the plate is in plane strain, E h^3 / (12 (1 - nu^2)).
+        poisson_ratio: Option<f64> = None, in 0.0 to 0.5;
+        /// Number of modes, 0 for rigid. Of the twentieth a wave is a tenth of the length, far shorter than where a beam is one.
+        modes: usize = 3, in 0 to 20;
+        /// Largest deflection over length for which the beam counts as linear; a run that exceeds it stops. Missing: 0.1
+        /// between fixed ends, 0.6 of a clamped one.
+        deflection_limit: Option<f64> = None, in 1e-6 to 1e6;
+        /// Damping ratios of the modes; missing ones are 0.
+        damping: Vec<f64> = Vec::new(), each in 0.0 to 1.0;
+        /// Modal coordinates at the start \[m sqrt(kg/m)\]; missing ones are 0.
+        initial_modes: Vec<f64> = Vec::new(), each in -1e15 to 1e15;
+    }
 }
 
 impl Member {
@@ -157,8 +142,4 @@ keys! {
         /// Newmark's gamma.
         gamma: f64 = 0.5, in 0.5 to 1.0;
     }
-}
-
-fn three() -> usize {
-    3
 }

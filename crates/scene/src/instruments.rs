@@ -1,6 +1,7 @@
 //! What is read from the water: probes, gauges, regions.
 
 use crate::types::Point;
+use keys::keys;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -51,14 +52,14 @@ impl Probe {
     }
 }
 
-/// A vertical line where the water level is reported.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Gauge {
-    /// Name, in reports and in the variables of the FMUs.
-    pub name: String,
-    /// Place \[m\].
-    pub x: f64,
+keys! {
+    /// A vertical line where the water level is reported.
+    pub struct Gauge {
+        /// Name, in reports and in the variables of the FMUs.
+        name: String;
+        /// Place \[m\].
+        x: f64, in -1e9 to 1e9;
+    }
 }
 
 /// A region whose water mass is reported.

@@ -9,47 +9,36 @@ use serde::{Deserialize, Serialize};
 /// A point or vector \[m\] as written in the file.
 pub type Point = [f64; 2];
 
-/// A whole scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Scene {
-    /// One line that names the case.
-    pub title: String,
-    /// Where set-up and reference come from.
-    #[serde(default)]
-    pub source: String,
-    /// What differs from the source.
-    #[serde(default)]
-    pub differs: String,
-    /// Acceleration of gravity \[m/s2\].
-    #[serde(default = "defaults::gravity")]
-    pub gravity: Point,
-    /// Duration and communication step.
-    pub run: Run,
-    /// What is written and how often.
-    #[serde(default)]
-    pub output: Output,
-    /// The water and its walls; absent in a scene of bodies alone.
-    #[serde(default)]
-    pub fluid: Option<Fluid>,
-    /// Bodies with their flexible members; none in a scene of the fluid alone.
-    #[serde(default)]
-    pub body: Vec<Body>,
-    /// Time integration of the bodies.
-    #[serde(default)]
-    pub integrator: Integrator,
-    /// How the two are coupled.
-    #[serde(default)]
-    pub coupling: Coupling,
-    /// What a run is watched for.
-    #[serde(default)]
-    pub watch: Watch,
-    /// Figures that the program computes of its own result.
-    #[serde(default)]
-    pub check: Vec<Check>,
-    /// The same coarser and shorter, for tests.
-    #[serde(default)]
-    pub quick: Quick,
+keys! {
+    /// A whole scene.
+    pub struct Scene {
+        /// One line that names the case.
+        title: String;
+        /// Where set-up and reference come from.
+        source: String = String::new();
+        /// What differs from the source.
+        differs: String = String::new();
+        /// Acceleration of gravity \[m/s2\].
+        gravity: Point = [0.0, -9.81], each in -1e6 to 1e6;
+        /// Duration and communication step.
+        run: Run;
+        /// What is written and how often.
+        output: Output = Output::default();
+        /// The water and its walls; absent in a scene of bodies alone.
+        fluid: Option<Fluid> = None;
+        /// Bodies with their flexible members; none in a scene of the fluid alone.
+        body: Vec<Body> = Vec::new();
+        /// Time integration of the bodies.
+        integrator: Integrator = Integrator::default();
+        /// How the two are coupled.
+        coupling: Coupling = Coupling::default();
+        /// What a run is watched for.
+        watch: Watch = Watch::default();
+        /// Figures that the program computes of its own result.
+        check: Vec<Check> = Vec::new();
+        /// The same coarser and shorter, for tests.
+        quick: Quick = Quick::default();
+    }
 }
 
 impl Scene {
@@ -104,99 +93,79 @@ keys! {
     }
 }
 
-/// The water, its walls, and the scheme.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Fluid {
-    /// Density \[kg/m3\].
-    #[serde(default = "defaults::density")]
-    pub density: f64,
-    /// Particle spacing l0 \[m\]: halving it quadruples the particles and about octuples the run time.
-    pub spacing: f64,
-    /// Discretisation.
-    #[serde(default)]
-    pub scheme: Scheme,
-    /// Parameters of the scheme `voronoi`.
-    #[serde(default)]
-    pub voronoi: VoronoiParameters,
-    /// Parameters of the scheme `mps`.
-    #[serde(default)]
-    pub mps: MpsParameters,
-    /// Pressure solver.
-    #[serde(default)]
-    pub solve: SolveParameters,
-    /// Threads of the solver's own pool; 0 takes all processors.
-    #[serde(default)]
-    pub threads: usize,
-    /// Bodies of water at the start, each a closed polygon filled with particles.
-    pub water: Vec<Polygon>,
-    /// Motion of the water at the start.
-    #[serde(default)]
-    pub start: Start,
-    /// Attraction of the water to the origin: an acceleration of minus this times the position \[1/s2\].
-    #[serde(default)]
-    pub attraction: f64,
-    /// Zones in which waves die out, for the ends of a tank that should not echo.
-    #[serde(default)]
-    pub damping: Vec<DampingZone>,
-    /// Shaking of the tank, seen from a frame that moves with it.
-    #[serde(default)]
-    pub shaking: Shaking,
-    /// Fixed walls, fluid on the left when walked along.
-    #[serde(default)]
-    pub wall: Vec<Wall>,
-    /// Pressure probes.
-    #[serde(default)]
-    pub probe: Vec<Probe>,
-    /// Gauges of the water level.
-    #[serde(default)]
-    pub gauge: Vec<Gauge>,
-    /// Regions whose water mass is reported.
-    #[serde(default)]
-    pub region: Vec<Region>,
+keys! {
+    /// The water, its walls, and the scheme.
+    pub struct Fluid {
+        /// Density \[kg/m3\].
+        density: f64 = 1000.0, above 0;
+        /// Particle spacing l0 \[m\]: halving it quadruples the particles and about octuples the run time.
+        spacing: f64, above 0;
+        /// Discretisation.
+        scheme: Scheme = Scheme::Voronoi;
+        /// Parameters of the scheme `voronoi`.
+        voronoi: VoronoiParameters = VoronoiParameters::default();
+        /// Parameters of the scheme `mps`.
+        mps: MpsParameters = MpsParameters::default();
+        /// Pressure solver.
+        solve: SolveParameters = SolveParameters::default();
+        /// Threads of the solver's own pool; 0 takes all processors.
+        threads: usize = 0, in 0 to 1024;
+        /// Bodies of water at the start, each a closed polygon filled with particles.
+        water: Vec<Polygon>;
+        /// Motion of the water at the start.
+        start: Start = Start::default();
+        /// Attraction of the water to the origin: an acceleration of minus this times the position \[1/s2\].
+        attraction: f64 = 0.0, in -1e6 to 1e6;
+        /// Zones in which waves die out, for the ends of a tank that should not echo.
+        damping: Vec<DampingZone> = Vec::new();
+        /// Shaking of the tank, seen from a frame that moves with it.
+        shaking: Shaking = Shaking::default();
+        /// Fixed walls, fluid on the left when walked along.
+        wall: Vec<Wall> = Vec::new();
+        /// Pressure probes.
+        probe: Vec<Probe> = Vec::new();
+        /// Gauges of the water level.
+        gauge: Vec<Gauge> = Vec::new();
+        /// Regions whose water mass is reported.
+        region: Vec<Region> = Vec::new();
+    }
 }
 
-/// Motion of the water at the start: u = `velocity` + `gradient` r.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Start {
-    /// Velocity at the origin \[m/s\].
-    pub velocity: Point,
-    /// Velocity gradient \[1/s\], row by row: du/dx, du/dy; dv/dx, dv/dy.
-    pub gradient: [Point; 2],
-    /// Largest random displacement of a particle along X and Y, in spacings (0 to 0.2). Runs that differ in the seed
-    /// alone say how far an impact repeats.
-    pub jitter: f64,
-    /// Number that decides the random displacements.
-    pub seed: u64,
+keys! {
+    /// Motion of the water at the start: u = `velocity` + `gradient` r. Incompressible water is slower than sound in it by far.
+    pub struct Start {
+        /// Velocity at the origin \[m/s\].
+        velocity: Point = [0.0, 0.0], each in -1e5 to 1e5;
+        /// Velocity gradient \[1/s\], row by row: du/dx, du/dy; dv/dx, dv/dy.
+        gradient: [Point; 2] = [[0.0, 0.0], [0.0, 0.0]], each in -1e5 to 1e5;
+        /// Largest random displacement of a particle along X and Y, in spacings (0 to 0.2). Runs that differ in the seed
+        /// alone say how far an impact repeats.
+        jitter: f64 = 0.0, in 0.0 to 0.2;
+        /// Number that decides the random displacements.
+        seed: u64 = 0;
+    }
 }
 
-/// A zone that slows the water: du/dt = -rate u, growing with the square of the way from `from` to `to`, full beyond.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DampingZone {
-    /// X where the damping begins \[m\].
-    pub from: f64,
-    /// X where it is full \[m\]; on either side of `from`.
-    pub to: f64,
-    /// Rate there \[1/s\]: some times the frequency of the longest wave that should die out.
-    pub rate: f64,
+keys! {
+    /// A zone that slows the water: du/dt = -rate u, growing with the square of the way from `from` to `to`, full beyond.
+    pub struct DampingZone {
+        /// X where the damping begins \[m\].
+        from: f64, in -1e9 to 1e9;
+        /// X where it is full \[m\]; on either side of `from`.
+        to: f64, in -1e9 to 1e9;
+        /// Rate there \[1/s\]: some times the frequency of the longest wave that should die out.
+        rate: f64, in 0.0 to 1e6;
+    }
 }
 
-/// Displacement `amplitude` cos(2 pi t / `period`) of the tank from t = 0 on. The scene is seen from the tank: the
-/// water feels the acceleration `amplitude` (2 pi / `period`)^2 cos(2 pi t / `period`).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Shaking {
-    /// Amplitude \[m\]; zero for none.
-    pub amplitude: Point,
-    /// Period \[s\].
-    pub period: f64,
-}
-
-impl Default for Shaking {
-    fn default() -> Self {
-        Self { amplitude: [0.0, 0.0], period: 1.0 }
+keys! {
+    /// Displacement `amplitude` cos(2 pi t / `period`) of the tank from t = 0 on. The scene is seen from the tank: the
+    /// water feels the acceleration `amplitude` (2 pi / `period`)^2 cos(2 pi t / `period`).
+    pub struct Shaking {
+        /// Amplitude \[m\]; zero for none.
+        amplitude: Point = [0.0, 0.0], each in -1e6 to 1e6;
+        /// Period \[s\].
+        period: f64 = 1.0, in 1e-6 to 1e9;
     }
 }
 
@@ -282,13 +251,4 @@ pub enum Method {
     Aitken,
     /// Interface quasi-Newton with an inverse Jacobian from least squares (Degroote et al. 2009).
     IqnIls,
-}
-
-mod defaults {
-    pub fn gravity() -> [f64; 2] {
-        [0.0, -9.81]
-    }
-    pub fn density() -> f64 {
-        1000.0
-    }
 }

@@ -3,7 +3,7 @@
 use crate::validate_bodies::validate_bodies;
 use crate::*;
 use digits::six;
-use keys::OutOfRange;
+use keys::{ABOVE_ZERO, OutOfRange};
 use std::collections::BTreeMap;
 
 /// Particles that a scene may ask for; more is a slip in the spacing rather than a wish.
@@ -12,11 +12,6 @@ const MOST_PARTICLES: f64 = 1e7;
 const MOST_STEPS: f64 = 1e9;
 /// Points of one line probe.
 const MOST_PROBE_POINTS: f64 = 1000.0;
-/// Largest speed \[m/s\] and velocity gradient \[1/s\]: incompressible water is slower than sound in it by far.
-const LARGEST_SPEED: f64 = 1e5;
-/// Bounds of a positive number in SI units: their squares and products are numbers too.
-pub(crate) const SMALLEST: f64 = 1e-15;
-pub(crate) const LARGEST: f64 = 1e15;
 
 pub(crate) struct Checker<'a> {
     pub(crate) name: &'a str,
@@ -45,21 +40,20 @@ impl Checker<'_> {
     /// What a struct of keys below `table` said of its numbers.
     pub(crate) fn keys(&self, table: &str, checked: Result<(), OutOfRange>) -> Result<(), Error> {
         checked.or_else(|out| {
-            let keys::Key { name, low, high } = out.key;
-            self.within(&format!("{table}.{name}"), out.got, low, high)
+            let key = if table.is_empty() { out.path() } else { format!("{table}.{}", out.path()) };
+            match [out.key.low, out.key.high] {
+                ABOVE_ZERO => self.positive(&key, out.got),
+                [low, high] => self.within(&key, out.got, low, high),
+            }
         })
     }
 
     pub(crate) fn positive(&self, key: &str, value: f64) -> Result<(), Error> {
-        if (SMALLEST..=LARGEST).contains(&value) {
+        let [low, high] = ABOVE_ZERO;
+        if (low..=high).contains(&value) {
             return Ok(());
         }
-        self.fail(key, six(value), &format!("a number above 0, from {SMALLEST:e} to {LARGEST:e}"))
-    }
-
-    pub(crate) fn all_within(&self, key: &str, values: &[f64], largest: f64) -> Result<(), Error> {
-        let mut values = values.iter().enumerate();
-        values.try_for_each(|(index, &value)| self.within(&format!("{key}[{index}]"), value, -largest, largest))
+        self.fail(key, six(value), &format!("a number above 0, from {low:e} to {high:e}"))
     }
 
     /// An optional number, or one with a default.
@@ -75,14 +69,6 @@ impl Checker<'_> {
             return Ok(());
         }
         self.fail(key, digits::list(&point), "finite coordinates")
-    }
-
-    pub(crate) fn speeds(&self, key: &str, speeds: [f64; 2], unit: &str) -> Result<(), Error> {
-        if speeds.iter().all(|value| value.abs() <= LARGEST_SPEED) {
-            return Ok(());
-        }
-        let expected = format!("numbers from -{LARGEST_SPEED:e} to {LARGEST_SPEED:e} {unit}");
-        self.fail(key, digits::list(&speeds), &expected)
     }
 
     pub(crate) fn points(&self, key: &str, points: &[Point], least: usize) -> Result<(), Error> {
@@ -131,8 +117,7 @@ impl Scene {
     pub fn validate(&self, name: &str) -> Result<(), Error> {
         let check = Checker { name };
         self.run.validate(name, 0.0)?;
-        check.within("gravity[0]", self.gravity[0], -1e6, 1e6)?;
-        check.within("gravity[1]", self.gravity[1], -1e6, 1e6)?;
+        check.keys("", self.check())?;
         self.output.validate(name)?;
         if self.fluid.is_none() && self.body.is_empty() {
             check.fail("fluid, body", "none", "at least one of [fluid] and [[body]]")?;
@@ -194,9 +179,7 @@ impl Coupling {
 }
 
 fn validate_fluid(check: &Checker, fluid: &Fluid, bodies: &[Body]) -> Result<(), Error> {
-    check.positive("fluid.density", fluid.density)?;
-    check.positive("fluid.spacing", fluid.spacing)?;
-    check.within("fluid.threads", fluid.threads as f64, 0.0, 1024.0)?;
+    check.keys("fluid", fluid.check())?;
     validate_forcing(check, fluid)?;
     check.keys("fluid.voronoi", fluid.voronoi.check())?;
     check.keys("fluid.mps", fluid.mps.check())?;
@@ -215,7 +198,7 @@ fn validate_fluid(check: &Checker, fluid: &Fluid, bodies: &[Body]) -> Result<(),
         check.points(&format!("fluid.region[{i}].polygon"), &region.polygon, 3)?;
     }
     for (i, gauge) in fluid.gauge.iter().enumerate() {
-        check.finite_if(&format!("fluid.gauge[{i}].x"), gauge.x)?;
+        check.keys(&format!("fluid.gauge[{i}]"), gauge.check())?;
     }
     fluid.probe.iter().enumerate().try_for_each(|(i, probe)| validate_probe(check, i, probe))?;
     validate_instruments(check, fluid, bodies)
@@ -244,25 +227,15 @@ fn validate_instruments(check: &Checker, fluid: &Fluid, bodies: &[Body]) -> Resu
 
 /// What moves the water besides gravity.
 fn validate_forcing(check: &Checker, fluid: &Fluid) -> Result<(), Error> {
-    check.speeds("fluid.start.velocity", fluid.start.velocity, "m/s")?;
-    for (i, &row) in fluid.start.gradient.iter().enumerate() {
-        check.speeds(&format!("fluid.start.gradient[{i}]"), row, "1/s")?;
-    }
-    check.within("fluid.start.jitter", fluid.start.jitter, 0.0, 0.2)?;
+    check.keys("fluid.start", fluid.start.check())?;
     for (i, zone) in fluid.damping.iter().enumerate() {
-        let key = |field: &str| format!("fluid.damping[{i}].{field}");
-        check.within(&key("from"), zone.from, -1e9, 1e9)?;
-        check.within(&key("to"), zone.to, -1e9, 1e9)?;
-        check.within(&key("rate"), zone.rate, 0.0, 1e6)?;
+        let table = format!("fluid.damping[{i}]");
+        check.keys(&table, zone.check())?;
         if zone.from == zone.to {
-            check.fail(&key("to"), zone.to, "another X than `from`")?;
+            check.fail(&format!("{table}.to"), zone.to, "another X than `from`")?;
         }
     }
-    check.within("fluid.attraction", fluid.attraction, -1e6, 1e6)?;
-    let shaking = &fluid.shaking;
-    check.within("fluid.shaking.amplitude[0]", shaking.amplitude[0], -1e6, 1e6)?;
-    check.within("fluid.shaking.amplitude[1]", shaking.amplitude[1], -1e6, 1e6)?;
-    check.within("fluid.shaking.period", shaking.period, 1e-6, 1e9)
+    check.keys("fluid.shaking", fluid.shaking.check())
 }
 
 /// Refuses a spacing that would fill the memory before anything could be said about it, and water without area.
