@@ -1,9 +1,9 @@
 //! Checkpoints: a file from which a run goes on with the same bits as if it had never stopped.
 
-use crate::coupling::Memory;
 use crate::record::{Error, IterationCounts, ResultMark};
 use crate::stages::Stages;
 use crate::watch;
+use coupling::Memory;
 use frames::write_lasting;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

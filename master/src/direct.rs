@@ -1,7 +1,7 @@
 //! A component in process, without the C ABI: the same bits as its FMU, for tests and debugging.
 
 use crate::log::{Level, Log};
-use crate::participant::{self, Causality, Description, Error, Kind, Outcome, Participant, Value, Variable};
+use coupling::participant::{self, Causality, Description, Error, Kind, Outcome, Participant, Value, Variable};
 use fmi::{Access, Component, Failure, Logger, Model, Snapshot, Status};
 use fmi2::Instance;
 

@@ -3,9 +3,9 @@
 use crate::case::Case;
 use crate::direct::DirectParticipant;
 use crate::log::Log;
-use crate::participant::{Error, Participant};
 use crate::scene_case::STRUCTURE;
 use components::{FluidComponent, Interface, StructureComponent};
+use coupling::participant::{Error, Participant};
 
 /// The components of a case that was made from a scene with this interface.
 pub fn participants(case: &Case, interface: &Interface, log: &Log) -> Result<Vec<Box<dyn Participant>>, Error> {

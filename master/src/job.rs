@@ -3,12 +3,12 @@
 use crate::case::Case;
 use crate::checkpoint::{self, Checkpoint, Schedule};
 use crate::folder::{RunFolder, Wish, plots, tables};
-use crate::participant::Participant;
 use crate::progress::Progress;
 use crate::record::{self, Recipe, Series, Status, Summary};
 use crate::run::{self, Outcome};
 use crate::target::Target;
 use crate::tell;
+use coupling::participant::Participant;
 use report::checks::{self, Context};
 use report::{Chart, Wanted};
 use scene::Scene;

@@ -3,7 +3,6 @@
 pub mod case;
 pub mod checkpoint;
 pub mod command;
-pub mod coupling;
 pub mod direct;
 pub mod estimate;
 pub mod fmu;
@@ -12,7 +11,6 @@ pub mod in_process;
 pub mod job;
 pub mod log;
 pub mod pack;
-pub mod participant;
 mod program;
 pub mod progress;
 pub mod record;

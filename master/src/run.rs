@@ -6,12 +6,12 @@ pub use set_up::set_up;
 
 use crate::case::{self, Case};
 use crate::checkpoint::{Checkpoint, Schedule};
-use crate::coupling::{self, Parameters, Stepper, System};
-use crate::participant::{self, Participant};
 use crate::progress::Progress;
 use crate::record::{self, CouplingSummary, Grid, IterationCounts, IterationWriter, ResultWriter, Series, Status};
 use crate::stages::Stages;
 use crate::watch::{self, Watch};
+use coupling::participant::{self, Participant};
+use coupling::{self, Parameters, Stepper, System};
 use digits::six;
 use set_up::parameters;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! Wall-clock time by stage. Participants tell theirs by real outputs called `stage.*`, in seconds.
 
-use crate::coupling::System;
-use crate::participant::{Causality, Kind, Value};
 use crate::record::STAGE;
+use coupling::System;
+use coupling::participant::{Causality, Kind, Value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use components::{FluidComponent, Interface, StructureComponent};
+use coupling::participant::Participant;
 use plimsoll::direct::DirectParticipant;
 use plimsoll::fmu::FmuParticipant;
 use plimsoll::folder::{RunFolder, Wish};
 use plimsoll::job::{Job, ReportMetadata};
 use plimsoll::log::Log;
-use plimsoll::participant::Participant;
 use plimsoll::progress::{Progress, Style};
 use plimsoll::record::Status;
 use plimsoll::scene_case::{self, Places};

@@ -166,7 +166,11 @@ fn scenes_that_cannot_mean_what_they_say_are_refused_by_check_and_run() {
     for (from, to, words) in [
         ("[0.0, -9.81]", "[0.0, 0.0, -9.81]", &["tank.toml, line 2: gravity has 3 entries, expected 2"][..]),
         ("[[0, 0], [0.3", "[[0, 0, 0], [0.3", &["line 10: fluid.water[0].polygon[0] has 3 entries, expected 2"]),
-        ("spacing =", "start = { velocity = [1e300, 0.0] }\nspacing =", &["fluid.start.velocity[0] = 1e300", "-100000 to 100000"]),
+        (
+            "spacing =",
+            "start = { velocity = [1e300, 0.0] }\nspacing =",
+            &["fluid.start.velocity[0] = 1e300", "-100000 to 100000"],
+        ),
         ("kind = 'series_maximum'", second, &["check[1].name = 'x'", "check[0] has it too"]),
         ("[0.3, 0.01]", "[0.9, -0.1]", &["fluid.probe[0] 'p' = (0.9, -0.1)", "0.1 m within a solid; move it"]),
         ("[0.3, 0.01]", "[5, 5]", &["fluid.probe[0] 'p' = (5, 5)", "outside of walls, water and structure"]),

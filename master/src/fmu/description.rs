@@ -1,6 +1,6 @@
 //! Reads the parts of modelDescription.xml that an importer for co-simulation needs (FMI 2.0.5, sections 2.2 and 4.3).
 
-use crate::participant::{Causality, Description, Kind, UNLIMITED, Variable};
+use coupling::participant::{Causality, Description, Kind, UNLIMITED, Variable};
 use serde::Deserialize;
 
 /// What instantiating takes beside the description.

@@ -1,7 +1,7 @@
 //! The functions of an FMU's shared library.
 
 use super::{Archive, Error};
-use crate::participant::Description;
+use coupling::participant::Description;
 use fmi2::ffi;
 use object::{Object, ObjectSegment};
 use std::error::Error as _;

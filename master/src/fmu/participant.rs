@@ -7,7 +7,7 @@ use super::watch::{Inside, Watched};
 use super::{Archive, Error as FmuError, Library, Model};
 use crate::case::Limits;
 use crate::log::Log;
-use crate::participant::{Description, Error, Kind, Outcome, Participant, Value, Variable};
+use coupling::participant::{Description, Error, Kind, Outcome, Participant, Value, Variable};
 use fmi2::ffi::{CallbackFunctions, Component, FALSE, FmuState, Status, TRUE, Type};
 use std::ffi::{CStr, CString, c_int};
 use std::path::Path;

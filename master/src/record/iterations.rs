@@ -1,7 +1,7 @@
 //! iterations.csv: one row per coupling iteration, with residual and tolerance of every iterated quantity.
 
 use super::Error;
-use crate::coupling::{IterationRow, Residual, StepReport};
+use coupling::{IterationRow, Residual, StepReport};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! results.csv: one row per recorded time, one column per output, units in the header.
 
 use super::{Column, Error, Series};
-use crate::coupling::System;
-use crate::participant::{Causality, Description, Kind, Variable};
+use coupling::System;
+use coupling::participant::{Causality, Description, Kind, Variable};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -156,28 +156,38 @@ fn quoted(text: &str) -> String {
     if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }
 
-fn read(system: &mut System, variables: &[Vec<Variable>], time: f64) -> Result<Vec<f64>, crate::coupling::Error> {
+fn read(system: &mut System, variables: &[Vec<Variable>], time: f64) -> Result<Vec<f64>, coupling::Error> {
     let mut values = Vec::new();
     for (participant, chosen) in system.participants().zip(variables) {
         for variable in chosen {
             let value = participant.get(variable)?.number().unwrap_or(f64::NAN);
-            if !value.is_finite() {
-                return Err(crate::coupling::Error::NotFinite {
-                    participant: participant.name().to_string(),
-                    variable: variable.name.clone(),
-                    value,
-                    time,
-                });
-            }
-            values.push(value);
+            values.push(finite(participant.name(), &variable.name, value, time)?);
         }
     }
     Ok(values)
 }
 
+/// Refuses a value that no other participant may have taken, but that is no number for a table.
+fn finite(participant: &str, variable: &str, value: f64, time: f64) -> Result<f64, coupling::Error> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    let (participant, variable) = (participant.to_string(), variable.to_string());
+    Err(coupling::Error::NotFinite { participant, variable, value, time })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn infinity_is_no_number_of_a_table() {
+        assert_eq!(finite("gas", "p", 1e300, 0.01).unwrap(), 1e300);
+        for (value, word) in [(f64::INFINITY, "inf"), (f64::NAN, "NaN")] {
+            let message = finite("gas", "p", value, 0.01).unwrap_err().to_string();
+            assert_eq!(message, format!("gas: variable 'p' is {word} at t = 0.01 s"));
+        }
+    }
 
     #[test]
     fn rows_are_due_from_the_start_on_wherever_it_lies() {

@@ -2,9 +2,9 @@
 
 use super::Error;
 use crate::case::{self, Case};
-use crate::coupling::{self, Connection, Parameters, Stepper, System};
-use crate::participant::{self, Kind, Participant, Value};
 use crate::record;
+use coupling::participant::{self, Kind, Participant, Value};
+use coupling::{self, Connection, Parameters, Stepper, System};
 use digits::six;
 
 /// A participant whose steps must all have the same length.

@@ -9,9 +9,9 @@
 mod memory;
 mod reference;
 
-use crate::coupling::{Error, System};
-use crate::participant::Variable;
 use crate::scene_case::{FLUID, STRUCTURE};
+use coupling::participant::Variable;
+use coupling::{Error, System};
 pub use memory::Memory;
 use memory::Seen;
 pub use reference::Reference;

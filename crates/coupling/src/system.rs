@@ -1,6 +1,6 @@
 //! Participants and the connections between them.
 
-use super::Error;
+use crate::Error;
 use crate::participant::{Causality, Description, Kind, Outcome, Participant, Variable};
 use std::time::Instant;
 
@@ -30,20 +30,20 @@ pub enum Pass {
     },
 }
 
-pub(super) enum Source {
+pub(crate) enum Source {
     /// An output of an earlier participant in this pass: node and place among its connected outputs.
     Fresh(usize, usize),
     /// An iterated quantity.
     Iterated(usize),
 }
 
-pub(super) struct Node {
-    pub(super) participant: Box<dyn Participant>,
-    pub(super) inputs: Vec<u32>,
-    pub(super) sources: Vec<Source>,
+pub(crate) struct Node {
+    pub(crate) participant: Box<dyn Participant>,
+    pub(crate) inputs: Vec<u32>,
+    pub(crate) sources: Vec<Source>,
     staged: Vec<f64>,
-    pub(super) outputs: Vec<u32>,
-    pub(super) names: Vec<String>,
+    pub(crate) outputs: Vec<u32>,
+    pub(crate) names: Vec<String>,
     values: Vec<f64>,
     /// Wall-clock time spent in steps \[s\].
     seconds: f64,
@@ -51,9 +51,9 @@ pub(super) struct Node {
 
 /// Participants in the order in which they step, with their connections.
 pub struct System {
-    pub(super) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<Node>,
     /// Node and place among its connected outputs, for every iterated quantity.
-    pub(super) iterated: Vec<(usize, usize)>,
+    pub(crate) iterated: Vec<(usize, usize)>,
 }
 
 impl System {

@@ -1,6 +1,6 @@
 //! Newton's method on the iterated quantities, with the Jacobian of a whole pass from directional derivatives.
 
-use super::acceleration::relaxed;
+use crate::acceleration::relaxed;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

@@ -3,7 +3,8 @@
 //! Participants step one after the other. A connection from an earlier to a later participant carries the value of
 //! the same pass; a connection against that order carries an *iterated* quantity Q: it is guessed, the pass gives
 //! Q~, and the residual Q~ - Q drives an accelerator until it is within tolerance for every quantity on its own.
-//! Nothing here knows what the participants are or what the quantities mean.
+//! Nothing here knows what the participants are or what the quantities mean: [`participant::Participant`] is all that is asked
+//! of them.
 
 mod acceleration;
 mod clock;
@@ -12,6 +13,7 @@ mod error;
 mod iqn_ils;
 mod jacobian;
 mod newton;
+pub mod participant;
 mod predictor;
 mod stepper;
 mod system;

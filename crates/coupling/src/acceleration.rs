@@ -1,6 +1,6 @@
 //! Accelerators of the fixed-point iteration Q -> Q~.
 
-use super::{IqnIls, Newton};
+use crate::{IqnIls, Newton};
 use scene::Method;
 use serde::{Deserialize, Serialize};
 
@@ -75,7 +75,7 @@ impl Accelerator {
 }
 
 /// Q + factor (Q~ - Q).
-pub(super) fn relaxed(used: &[f64], produced: &[f64], factor: f64) -> Vec<f64> {
+pub(crate) fn relaxed(used: &[f64], produced: &[f64], factor: f64) -> Vec<f64> {
     used.iter().zip(produced).map(|(used, produced)| used + factor * (produced - used)).collect()
 }
 

@@ -5,8 +5,8 @@
 //! weighted norm. Columns are taken newest first, at most as many as unknowns; a column that is nearly a combination
 //! of newer ones is dropped (QR2 filter, Haelterman et al. 2016). Columns of a few past steps are reused.
 
-use super::acceleration::relaxed;
-use super::weights::ResidualSums;
+use crate::acceleration::relaxed;
+use crate::weights::ResidualSums;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;

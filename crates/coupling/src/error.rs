@@ -1,6 +1,6 @@
 //! What can go wrong in coupling.
 
-use super::Residual;
+use crate::Residual;
 use crate::participant;
 use digits::{rounded, six};
 use thiserror::Error;

@@ -1,7 +1,6 @@
 //! What the coupling needs of a simulator: variables by name, a step, and saved states.
 //!
-//! [`crate::fmu::FmuParticipant`] reaches a simulator through the C ABI of an FMU, [`crate::direct::DirectParticipant`]
-//! holds one in process. The coupling sees this trait alone.
+//! Whether it is reached through the C ABI of an FMU or held in process, the coupling sees this trait alone.
 
 use digits::{rounded, six};
 use std::fmt;

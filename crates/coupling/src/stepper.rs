@@ -1,6 +1,6 @@
 //! The implicit step: guess, pass, compare, accelerate; halve the step when that does not converge.
 
-use super::{Accelerator, Clock, Error, IqnIls, Pass, Predictor, Residual, Stall, System, Tolerance};
+use crate::{Accelerator, Clock, Error, IqnIls, Pass, Predictor, Residual, Stall, System, Tolerance};
 use digits::six;
 use scene::Method;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! Derivative of the iterated quantities by themselves, through one pass.
 
-use super::system::{Node, Source};
-use super::{Error, System};
+use crate::system::{Node, Source};
+use crate::{Error, System};
 use nalgebra::DMatrix;
 
 impl System {
