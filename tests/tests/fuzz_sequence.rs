@@ -36,22 +36,10 @@ const BODIES: &[(&str, &str)] = &[
 /// How many of either are sound.
 const SOUND: usize = 3;
 
+#[rustfmt::skip]
 const NUMBERS: &[f64] = &[
-    0.0,
-    1e-5,
-    -1e-3,
-    0.1,
-    -0.0,
-    20.0,
-    1e18,
-    -1e18,
-    1e300,
-    -1e300,
-    f64::MAX,
-    f64::MIN_POSITIVE,
-    f64::NAN,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
+    0.0, 1e-5, -1e-3, 0.1, -0.0, 20.0, 1e18, -1e18, 1e300, -1e300,
+    f64::MAX, f64::MIN_POSITIVE, f64::NAN, f64::INFINITY, f64::NEG_INFINITY,
 ];
 const STEPS: &[f64] =
     &[1e-3, 1e-3, 1e-3, 5e-3, 2e-2, 1e-9, 0.0, -1e-3, 1e-300, 1e9, 1e300, f64::MAX, f64::NAN, f64::INFINITY];
