@@ -152,6 +152,27 @@ fn use_it(slave: &Slave, state: &State, outputs: &[u32]) -> Result<(), TestCaseE
     Ok(())
 }
 
+/// A state with changed values and a checksum that fits them.
+fn resealed(state: &[u8], donors: &[Vec<u8>], changes: &[Change]) -> Vec<u8> {
+    let mut values = state[HEADER..].to_vec();
+    let donors: Vec<Vec<u8>> = donors.iter().map(|donor| donor[HEADER..].to_vec()).collect();
+    changes.iter().for_each(|change| apply(&mut values, &donors, change));
+    let mut bytes = [&state[..HEADER], &values].concat();
+    seal(&mut bytes);
+    bytes
+}
+
+/// The states of the other FMU as well.
+fn donors(name: &str, library: &Library, states: &[Vec<u8>]) -> Vec<Vec<u8>> {
+    let mut donors = states.to_vec();
+    if name == "fluid_fmu" {
+        collect(&slave::<StructureComponent>(library, BODIES[0]), &mut donors);
+    } else {
+        collect(&slave::<FluidComponent>(library, WATER[0]), &mut donors);
+    }
+    donors
+}
+
 /// Changes states until the cases are used up; returns how many were refused and how many were taken.
 fn damage<C: Component<Interface = Interface>>(
     name: &str,
@@ -165,28 +186,22 @@ fn damage<C: Component<Interface = Interface>>(
     let mut states = Vec::new();
     let slaves: Vec<Slave> = scenes.iter().map(|&scene| slave::<C>(&library, scene)).collect();
     slaves.iter().for_each(|slave| collect(slave, &mut states));
-    let mut donors = states.clone();
-    if name == "fluid_fmu" {
-        collect(&slave::<StructureComponent>(&foreign, BODIES[0]), &mut donors);
-    } else {
-        collect(&slave::<FluidComponent>(&foreign, WATER[0]), &mut donors);
-    }
+    let donors = donors(name, &foreign, &states);
     let outputs = real_outputs(&C::model(&Packed::of(SCENES).interface));
     let counts = [Cell::new(0), Cell::new(0)];
     let strategy = (any::<Index>(), any::<Index>(), changes());
     let outcome = TestRunner::new(fuzzing::config(cases)).run(&strategy, |(which, slave, changes)| {
         let original = &donors[which.index(donors.len())];
         let slave = &slaves[slave.index(slaves.len())];
-        let (clock, mut bytes) = (Instant::now(), original.clone());
-        if sealed {
-            let mut values = states[which.index(states.len())][HEADER..].to_vec();
-            let donors: Vec<Vec<u8>> = donors.iter().map(|donor| donor[HEADER..].to_vec()).collect();
-            changes.iter().for_each(|change| apply(&mut values, &donors, change));
-            bytes = [&states[0][..HEADER], &values].concat();
-            seal(&mut bytes);
-        } else {
-            changes.iter().for_each(|change| apply(&mut bytes, &donors, change));
-        }
+        let clock = Instant::now();
+        let bytes = match sealed {
+            true => resealed(&states[which.index(states.len())], &donors, &changes),
+            false => {
+                let mut bytes = original.clone();
+                changes.iter().for_each(|change| apply(&mut bytes, &donors, change));
+                bytes
+            }
+        };
         let before = slave.save();
         let read = slave.from_bytes(&bytes);
         told(slave, read.as_ref().err().copied().unwrap_or(Status::OK))?;

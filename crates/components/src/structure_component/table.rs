@@ -40,25 +40,30 @@ pub(super) fn model(interface: &Interface) -> Model<StructureComponent> {
         variables,
         experiment: DefaultExperiment { stop: 1.0, step: 0.000_25 },
         directional_derivatives: true,
-        annotations: vec![
-            (
-                "directionalDerivative",
-                "fmi2GetDirectionalDerivative gives the sensitivity of the last step: the derivative of the motion at \
+        annotations: annotations(),
+    }
+}
+
+/// What a caller should know that the standard has no place for.
+fn annotations() -> Vec<(&'static str, &'static str)> {
+    vec![
+        (
+            "directionalDerivative",
+            "fmi2GetDirectionalDerivative gives the sensitivity of the last step: the derivative of the motion at \
                  the end of the last fmi2DoStep by the load held over that step. It is the inverse tangent of the \
                  implicit step, made for Newton iterations between communication points.",
-            ),
-            (
-                "load",
-                "body.*.load.* is the mean over the communication step that follows (impulse divided by step), held during it.",
-            ),
-            (
-                "added_mass",
-                "With added_mass.* and load.a* connected the structure steps under the load \
+        ),
+        (
+            "load",
+            "body.*.load.* is the mean over the communication step that follows (impulse divided by step), held during it.",
+        ),
+        (
+            "added_mass",
+            "With added_mass.* and load.a* connected the structure steps under the load \
                  load.* - added_mass (a - load.a*), a its own mean acceleration over the step: an exchange without \
                  iteration is then stable whatever the added mass. Unconnected they are zero and change nothing.",
-            ),
-        ],
-    }
+        ),
+    ]
 }
 
 fn parameters(interface: &Interface) -> Vec<Row> {
