@@ -22,6 +22,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use studies::bench::{self, Bench};
 use studies::compare::{self, CompareArguments};
+use studies::ensemble::{self, EnsembleArguments};
 use studies::reproduce::{self, Reproduce};
 use studies::validate::{self, ValidateArguments};
 
@@ -101,6 +102,13 @@ enum Command {
     ///
     /// The exit code is 3 when a limit was missed.
     Validate(ValidateArguments),
+    /// Run a scene several times from starts that differ a little, and say what the runs have in common.
+    ///
+    /// Figures of an impact are samples: one run gives one of each. The page has mean, median, the 95 % band of single runs and
+    /// their repeatability for every figure, for peaks and impulses, and the histories with their bands. `plimsoll compare` of two
+    /// ensembles says whether they differ. Runs that are complete in the folder are taken as they are, others go on from where
+    /// they stopped; each is a run like any other, so that a cluster may make them.
+    Ensemble(EnsembleArguments),
     /// Compare the schemes of the fluid and write a dated record.
     #[command(subcommand)]
     Bench(Bench),
@@ -126,6 +134,7 @@ pub fn main() -> ExitCode {
         Some(Command::Schema { what }) => create::schema(what),
         Some(Command::ListScenes) => list_scenes(),
         Some(Command::Validate(arguments)) => validate_scenes(&arguments),
+        Some(Command::Ensemble(arguments)) => make_ensemble(&arguments),
         Some(Command::Bench(Bench::Accuracy(arguments))) => accuracy(&arguments),
         Some(Command::Bench(Bench::Speed(arguments))) => speed(&arguments),
         Some(Command::Compare(arguments)) => compare_runs(&arguments),
@@ -219,6 +228,13 @@ fn validate_scenes(arguments: &ValidateArguments) -> Result<ExitCode, Failure> {
         ExitCode::SUCCESS if validation.missed > 0 => Ok(ExitCode::from(MISSED)),
         code => Ok(code),
     }
+}
+
+fn make_ensemble(arguments: &EnsembleArguments) -> Result<ExitCode, Failure> {
+    let interrupted = watch_for_interruption(Style::default())?;
+    let outcome = ensemble::ensemble(arguments, &Plimsoll, &interrupted)?;
+    answer!("report: {}", outcome.page.display());
+    Ok(ended(&interrupted, outcome.complete))
 }
 
 fn compare_runs(arguments: &CompareArguments) -> Result<ExitCode, Failure> {

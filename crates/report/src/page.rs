@@ -6,6 +6,10 @@ use super::{Pictures, figures::MOVIE};
 use crate::record::{CheckResult, Recipe, Summary};
 use maud::{Markup, html};
 
+/// What figures of a single run are.
+pub const ONE_SAMPLE: &str =
+    "Figures of one run: peaks of an impact are one sample each, `plimsoll ensemble` says how far they repeat.";
+
 /// The page for a summary, with what the scene says of itself, charts and pictures.
 pub fn run_page(summary: &Summary, about: &[(&str, &str)], recipe: Option<&Recipe>, pictures: &Pictures) -> String {
     let title = if summary.title.is_empty() { &summary.scene } else { &summary.title };
@@ -16,7 +20,7 @@ pub fn run_page(summary: &Summary, about: &[(&str, &str)], recipe: Option<&Recip
         @for (name, content) in about.iter().filter(|(_, content)| !content.is_empty()) { p { b { (name) ". " } (content) } }
         @if !summary.missed.is_empty() { h2 { "Limits that were missed" } ul { @for limit in &summary.missed { li { (limit) } } } }
         @if !warnings.is_empty() { h2 { "Warnings" } ul { @for warning in &warnings { li { (warning) } } } }
-        @if !summary.checks.is_empty() { h2 { "Figures" } (checks(summary)) }
+        @if !summary.checks.is_empty() { h2 { "Figures" } p { (ONE_SAMPLE) } (checks(summary)) }
         (images(pictures))
         h2 { "Charts" }
         @for (index, (_, chart)) in pictures.charts.iter().enumerate() { (html::interactive(chart, &format!("chart-{index}"))) }

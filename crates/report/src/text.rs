@@ -1,5 +1,6 @@
 //! The report as a page of Markdown.
 
+use crate::page::ONE_SAMPLE;
 use crate::record::{CheckResult, Status, Summary};
 use std::path::{Path, PathBuf};
 
@@ -20,7 +21,8 @@ pub fn markdown(summary: &Summary, about: &[(&str, &str)], pictures: &[PathBuf],
     let rows = facts.iter().map(|(name, value)| format!("| {name} | {value} |\n")).collect::<String>();
     text += &format!("| | |\n|---|---|\n{rows}");
     if !summary.checks.is_empty() {
-        text += "\n## Figures\n\n| figure | value | reference | error | unit | verdict |\n|---|---|---|---|---|---|\n";
+        text += &format!("\n## Figures\n\n{ONE_SAMPLE}\n\n");
+        text += "| figure | value | reference | error | unit | verdict |\n|---|---|---|---|---|---|\n";
         summary.checks.iter().for_each(|(name, check)| text += &row(name, check));
     }
     text += "\n## Wall-clock time by stage\n\n| stage | seconds | share |\n|---|---|---|\n";

@@ -1,5 +1,6 @@
-//! `plimsoll compare`: histories of several runs, and of reference tables, over each other.
+//! `plimsoll compare`: histories of several runs, and of reference tables, over each other; figures of two ensembles.
 
+use crate::ensemble::{Ensemble, differences as differences_of_ensembles};
 use maud::{Markup, html};
 use report::checks::interpolate;
 use report::html::{self, Failure};
@@ -10,7 +11,8 @@ use std::path::{Path, PathBuf};
 /// What to compare.
 #[derive(Debug, Clone, PartialEq, clap::Args)]
 pub struct CompareArguments {
-    /// Folders of runs, or tables as CSV with times first and `name [unit]` in the header; at least two.
+    /// Folders of runs, or tables as CSV with times first and `name [unit]` in the header, at least two; or the folders of two
+    /// ensembles.
     #[arg(required = true, num_args = 2.., value_name = "RUN-OR-CSV")]
     pub runs: Vec<PathBuf>,
     /// Variables to show, by the names in the tables, with commas between them; missing, all that two of them share.
@@ -34,6 +36,9 @@ struct Source {
 /// # Errors
 /// A table that cannot be read, a variable that no two tables share, or a page that cannot be written.
 pub fn compare(arguments: &CompareArguments) -> Result<PathBuf, Failure> {
+    if let Some(page) = of_ensembles(arguments)? {
+        return Ok(page);
+    }
     let sources = arguments.runs.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
     let names = if arguments.variables.is_empty() { shared(&sources) } else { arguments.variables.clone() };
     if let Some(name) = names.iter().find(|name| columns(&sources, name).count() < 2) {
@@ -56,11 +61,36 @@ pub fn compare(arguments: &CompareArguments) -> Result<PathBuf, Failure> {
     Ok(arguments.out.clone())
 }
 
+/// The page of two ensembles; none where the folders are those of runs.
+fn of_ensembles(arguments: &CompareArguments) -> Result<Option<PathBuf>, Failure> {
+    let all = arguments.runs.iter().map(|folder| Ensemble::read(folder)).collect::<Result<Vec<_>, _>>()?;
+    let found: Vec<&Ensemble> = all.iter().flatten().collect();
+    let (one, other) = match (found.as_slice(), all.len()) {
+        ([], _) => return Ok(None),
+        ([one, other], 2) => (*one, *other),
+        _ => return Err("an ensemble is compared with one other ensemble: expected the folders of two".into()),
+    };
+    let labels = [0, 1].map(|index| label(&arguments.runs[index]));
+    let [first, second] = &labels;
+    let runs = |ensemble: &Ensemble| ensemble.members.iter().filter(|member| member.error.is_none()).count();
+    let body = html! {
+        p { (first) ": " (runs(one)) " runs of " (one.scene) ". " (second) ": " (runs(other)) " runs of " (other.scene) "." }
+        (differences_of_ensembles([first, second], [one, other]))
+    };
+    write_whole(&arguments.out, html::page("Comparison of two ensembles", &body))?;
+    Ok(Some(arguments.out.clone()))
+}
+
+/// What a folder or table is called.
+fn label(path: &Path) -> String {
+    let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
+    name.map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
 fn read(path: &Path) -> Result<Source, Error> {
     let folder = path.is_dir();
     let table = if folder { path.join("results.csv") } else { path.to_path_buf() };
-    let name = if folder { path.file_name() } else { path.file_stem() };
-    let label = name.map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+    let label = label(path);
     let recipe = if folder { Recipe::read(path)? } else { None };
     Ok(Source { label, series: Series::read(&table)?, recipe })
 }

@@ -68,6 +68,12 @@ pub trait Program: Sync {
     /// A run that cannot start.
     fn run(&self, request: &Request, interrupted: &AtomicBool) -> Result<FinishedRun, Failure>;
 
+    /// The same in a process of its own, so that several may run at once. Its progress is not shown.
+    ///
+    /// # Errors
+    /// A run that cannot start, or that did not reach its end.
+    fn run_apart(&self, request: &Request, interrupted: &AtomicBool) -> Result<FinishedRun, Failure>;
+
     /// Runs a scene in this process, its frames in `folder`, until it ends or `stop` is raised. `path` is its file and
     /// `overrides` what was changed.
     ///
