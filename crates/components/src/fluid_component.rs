@@ -10,6 +10,7 @@ use crate::{Error, Interface, LOAD, VELOCITY};
 use fluid::Observables;
 use fmi::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::Motion;
+use nalgebra::Vector2;
 use runtime::Runtime;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -181,6 +182,11 @@ impl FluidComponent {
     fn added_mass(&self, row: usize, column: usize) -> f64 {
         let entry = self.of_scene(row).zip(self.of_scene(column));
         entry.map_or(0.0, |((row, state), (column, _))| state.added_mass[row * state.acceleration.len() + column])
+    }
+
+    /// One of the impulses that changed the momentum \[N s/m\].
+    fn impulse(&self, index: usize) -> Vector2<f64> {
+        self.state.progress.as_ref().map_or_else(Vector2::zeros, |progress| progress.state.impulses.terms()[index])
     }
 
     /// A figure of a place that the scene has; 0 for others and before initialisation.

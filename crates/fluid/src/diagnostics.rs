@@ -1,5 +1,6 @@
 //! Quantities that people look at, from a state.
 
+use crate::balance::Impulses;
 use crate::parameters::{Probe, Region};
 use crate::pressure_field::PressureField;
 use crate::problem::Problem;
@@ -43,6 +44,8 @@ pub struct Observables {
     pub particles: usize,
     /// Particles lost so far.
     pub lost: usize,
+    /// What changed the momentum so far.
+    pub impulses: Impulses,
 }
 
 /// Distance in spacings within which a probe stands on a wall.
@@ -70,6 +73,7 @@ pub fn observe(problem: &Problem, state: &State, outline: &Outline, field: &Pres
         maximum_speed: state.velocities.iter().map(|velocity| velocity.norm()).fold(0.0, f64::max),
         particles: state.positions.len(),
         lost: state.lost,
+        impulses: state.impulses,
     }
 }
 

@@ -13,6 +13,7 @@
 //! nothing of steps; `problem` and `state` are what a step is of; `discretisation` says what a step must do, `voronoi` and
 //! `mps` do it; `solver` makes communication steps of it.
 
+mod balance;
 mod diagnostics;
 mod discretisation;
 mod error;
@@ -34,6 +35,7 @@ mod time_step;
 mod voronoi;
 mod walls;
 
+pub use balance::Impulses;
 pub use diagnostics::Observables;
 pub use error::Error;
 pub use linear::SolveParameters;

@@ -1,6 +1,7 @@
 //! The solver: one communication step as internal steps of its discretisation.
 
 use crate::Error;
+use crate::balance::{self, Impulses};
 use crate::diagnostics::Observables;
 use crate::discretisation::Discretisation;
 use crate::grid::bounding_box;
@@ -42,6 +43,8 @@ pub struct Workspace {
     candidate: Option<State>,
     target: Motion,
     order: Order,
+    /// Scratch of sums.
+    momenta: Vec<[f64; 2]>,
 }
 
 /// The one place where schemes are told apart.
@@ -125,6 +128,7 @@ impl Solver {
             number_densities: vec![self.discretisation.full_density(); count],
             surface: vec![false; count],
             lost: 0,
+            impulses: Impulses::default(),
         };
         Order::default().sort(&mut state, self.problem.spacing);
         state
@@ -137,6 +141,7 @@ impl Solver {
             candidate: None,
             target: self.at_rest(),
             order: Order::default(),
+            momenta: Vec::new(),
         }
     }
 
@@ -244,21 +249,34 @@ impl Solver {
         workspace: &mut Workspace,
         report: &mut Report,
     ) -> Result<(), Error> {
-        let Workspace { discretisation, target, order, .. } = workspace;
+        let Workspace { discretisation, target, order, momenta, .. } = workspace;
         discretisation.step(&self.problem, state, step, target, report)?;
         let mut watch = Watch::start();
         check::all_finite(state, discretisation.places())?;
-        state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
+        let before = self.momentum(state, momenta);
+        let lost = particles::remove_lost(state, &self.domain.0, &self.domain.1);
+        if lost > 0 {
+            state.lost += lost;
+            state.impulses.lost += self.momentum(state, momenta) - before;
+        }
         state.motion.clone_from(target);
         state.time_step = step.length;
         state.steps += 1;
         if order::is_due(state.steps) {
             order.sort(state, self.problem.spacing);
         }
-        particles::slow(state, &self.problem.parameters, step.length);
+        if !self.problem.parameters.damping.is_empty() {
+            let before = self.momentum(state, momenta);
+            particles::slow(state, &self.problem.parameters, step.length);
+            state.impulses.damping += self.momentum(state, momenta) - before;
+        }
         watch.lap(&mut report.stages.other);
         report.substeps += 1;
         Ok(())
+    }
+
+    fn momentum(&self, state: &State, partial: &mut Vec<[f64; 2]>) -> Vector2<f64> {
+        balance::momentum(self.problem.parameters.density, &state.areas, &state.velocities, partial)
     }
 
     /// Limits of the next internal step from the state alone.

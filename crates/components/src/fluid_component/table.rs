@@ -4,7 +4,7 @@ use super::FluidComponent;
 use crate::interface::{ANSWER, GAUGE, LOADS, MOTIONS, PROBE, REGION, added_masses, family};
 use crate::parameters::{output_rows, scene_rows};
 use crate::{Interface, quantities};
-use fluid::Observables;
+use fluid::{Impulses, Observables};
 use fmi::{DefaultExperiment, Model, Reference, Variable};
 
 type Row = Variable<FluidComponent>;
@@ -22,6 +22,7 @@ pub(super) fn model(interface: &Interface) -> Model<FluidComponent> {
     variables.extend(places(interface));
     variables.extend(figures());
     variables.extend(shape());
+    variables.extend(impulses());
     variables.extend(numbers());
     variables.extend(stages());
     Model {
@@ -172,6 +173,22 @@ fn shape() -> Vec<Row> {
             figure(this, |seen| seen.kinetic_energy + seen.potential_energy)
         }),
     ]
+}
+
+/// What changed the momentum of the water since the start: together all of it.
+fn impulses() -> Vec<Row> {
+    let rows = |(index, (name, what)): (usize, &(&str, &str))| {
+        let reference = 420 + 2 * index as Reference;
+        let meaning = |axis: &str| format!("impulse that the water was given along {axis} since the start: {what}");
+        let x = Row::real(reference, format!("impulse.{name}.x"), meaning("X"), "Momentum", |this, index| {
+            this.impulse(index).x
+        });
+        let y = Row::real(reference + 1, format!("impulse.{name}.y"), meaning("Y"), "Momentum", |this, index| {
+            this.impulse(index).y
+        });
+        [x.at(index), y.at(index)]
+    };
+    Impulses::NAMES.iter().enumerate().flat_map(rows).collect()
 }
 
 /// Counts and what the solver said of the last step.

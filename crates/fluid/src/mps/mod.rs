@@ -22,6 +22,7 @@ pub mod operators;
 mod system;
 
 use crate::Error;
+use crate::balance::{Momenta, force_of_load};
 use crate::diagnostics::{self, Observables};
 use crate::discretisation::Discretisation;
 use crate::grid::Grid;
@@ -74,6 +75,7 @@ pub struct Mps {
     end_walls: EndWalls,
     /// Cells in which particles are looked for around a place.
     grid: Grid,
+    momenta: Momenta,
 }
 
 impl Mps {
@@ -98,6 +100,7 @@ impl Mps {
             frozen_end: Motion::at_rest(0),
             end_walls: EndWalls::default(),
             grid: Grid::default(),
+            momenta: Momenta::default(),
         }
     }
 
@@ -166,6 +169,17 @@ impl Mps {
     }
 }
 
+/// Sum of the body forces \[N/m\].
+fn forces(problem: &Problem, state: &State, time: f64, partial: &mut Vec<[f64; 2]>) -> Vector2<f64> {
+    let parameters = &problem.parameters;
+    let term = |i: usize| {
+        let force = parameters.body_force(&state.positions[i], time) * state.areas[i];
+        [force.x, force.y]
+    };
+    let [x, y] = parallel::sums(state.positions.len(), partial, term);
+    Vector2::new(x, y) * parameters.density
+}
+
 impl Discretisation for Mps {
     fn fresh(&self) -> Box<dyn Discretisation> {
         Box::new(Self::with(self.method.clone()))
@@ -213,17 +227,27 @@ impl Discretisation for Mps {
         self.set_wall_acceleration(problem, end, step.length);
         self.solve(problem, state, report)?;
         let mut watch = Watch::start();
-        let Self { method, system, vectors, .. } = self;
+        let Self { method, system, vectors, momenta, .. } = self;
+        momenta.since(problem, &state.areas, &state.velocities);
+        let forces = forces(problem, state, system.time, &mut momenta.partial) * step.length;
         correct::correct(state, system, problem, method, step.length, vectors);
+        state.impulses.forces += forces;
+        state.impulses.projection += momenta.since(problem, &state.areas, &state.velocities) - forces;
         correct::shift(state, system, problem, method, step.length, vectors);
+        state.impulses.shifting += momenta.since(problem, &state.areas, &state.velocities);
         correct::collide(state, system, problem, method, vectors);
         correct::separate(state, system, problem, vectors);
         let (reach, restitution) = (0.5 * method.parameters.collision_distance, method.parameters.restitution);
         let contact = Contact { reach: reach * problem.spacing, restitution, ..Contact::inelastic(problem.spacing) };
         let near = (&system.proximities, &system.walls);
         report.contacts += self.end_walls.keep_in_front(problem, state, end, near, &contact);
+        state.impulses.contacts += self.momenta.since(problem, &state.areas, &state.velocities);
         watch.lap(&mut report.stages.gradient);
+        let before = force_of_load(problem, &state.load);
         self.add_load(problem, state, step.share);
+        let bodies = (before - force_of_load(problem, &state.load)) * (step.length / step.share);
+        state.impulses.bodies += bodies;
+        state.impulses.projection -= bodies;
         for (value, density) in state.number_densities.iter_mut().zip(&self.system.densities) {
             *value = density.number_density;
         }

@@ -1,5 +1,6 @@
 //! The scheme `voronoi`: Voronoi cells of the particles as weights.
 
+mod balance;
 mod cell;
 pub mod cells;
 mod closed_components;
@@ -25,6 +26,7 @@ mod verification;
 pub use stages::Stages;
 
 use crate::Error;
+use crate::balance::force_of_load;
 use crate::diagnostics::{self, Observables};
 use crate::discretisation::{Discretisation, mean_acceleration};
 use crate::grid::Grid;
@@ -36,6 +38,7 @@ use crate::report::{Report, Watch};
 use crate::state::State;
 use crate::time_step::{Stability, TimeStep};
 use crate::walls::stop::{Contact, EndWalls};
+use balance::Balance;
 use kinematics::Motion;
 use nalgebra::{DVector, Vector2};
 use outline::Outline;
@@ -59,6 +62,7 @@ pub struct Voronoi {
     acceleration_increment: DVector<f64>,
     displacements: Vec<Vector2<f64>>,
     end_walls: EndWalls,
+    balance: Balance,
 }
 
 impl Voronoi {
@@ -81,6 +85,7 @@ impl Voronoi {
             acceleration_increment: DVector::zeros(0),
             displacements: Vec::new(),
             end_walls: EndWalls::default(),
+            balance: Balance::default(),
         }
     }
 
@@ -200,16 +205,23 @@ impl Discretisation for Voronoi {
     ) -> Result<(), Error> {
         self.solve(problem, state, step, end, report)?;
         let mut watch = Watch::start();
-        let Self { system, parameters, displacements, .. } = self;
+        let Self { system, parameters, displacements, balance, .. } = self;
+        balance.predicted(problem, state, system, parameters.smoothing > 0.0);
+        let before = force_of_load(problem, &state.load);
         correct::add_body_load(state, system, problem, step.share);
+        let on_bodies = (force_of_load(problem, &state.load) - before) / step.share;
         correct::add_added_mass(state, system, step.share);
         correct::kick(state, system, problem, step.length);
+        balance.kicked(problem, state, system, on_bodies, step.length);
         system.record_rates(&mut state.area_rates, &state.velocities, &end.velocity);
         shifting::shift(state, system, problem, parameters, step.length, displacements);
+        balance.shifted(problem, state);
         correct::drift(&mut state.positions, &state.velocities, 0.5 * step.length);
         let near = (&system.proximities, &system.walls);
         let contact = Contact::inelastic(problem.spacing);
-        report.contacts += system.contacts + self.end_walls.keep_in_front(problem, state, end, near, &contact);
+        let stopped = self.end_walls.keep_in_front(problem, state, end, near, &contact);
+        balance.stopped(problem, state, stopped);
+        report.contacts += system.contacts + stopped;
         watch.lap(&mut report.stages.gradient);
         correct::record(state, &self.system);
         watch.lap(&mut report.stages.other);

@@ -52,7 +52,8 @@ pub struct PressureSystem {
     pub forces: Vec<Vector2<f64>>,
     /// Predicted velocities u* \[m/s\].
     pub velocities: Vec<Vector2<f64>>,
-    smoothed: Vec<Vector2<f64>>,
+    /// Predicted velocities before they were smoothed, where they are \[m/s\].
+    pub smoothed: Vec<Vector2<f64>>,
     /// Gradients of the predicted velocity \[1/s\].
     pub gradients: Vec<Matrix2<f64>>,
     /// What the areas of cells ask for in this step.
