@@ -265,8 +265,8 @@ method = 'aitken'
     fn overrides_reach_arrays_and_parameters_with_dots() {
         let set = |key: &str, value: &str| Case::from_text(CASE, "c.toml", &[(key.into(), value.into())]);
         assert_eq!(set("run.end", "0.5").unwrap().run.end, 0.5);
-        let case = set("fmu.1.parameters.probe.pressure[2]", "3").unwrap();
-        assert_eq!(case.fmu[1].parameters["probe.pressure[2]"], toml::Value::Integer(3));
+        let case = set("fmu.1.parameters.body.cabin.youngs_modulus", "3").unwrap();
+        assert_eq!(case.fmu[1].parameters["body.cabin.youngs_modulus"], toml::Value::Integer(3));
         let unknown = set("run.ende", "0.5").unwrap_err().to_string();
         assert!(unknown.contains("run.ende=0.5") && unknown.contains("`end`"), "{unknown}");
         assert!(set("fmu.7.name", "x").unwrap_err().to_string().contains("index below 2"));

@@ -195,7 +195,7 @@ pub fn active(scene: &Scene, layout: &CoordinateLayout) -> Vec<usize> {
 
 /// Index of the body that an instrument is on.
 fn carrier(scene: &Scene, name: Option<&String>) -> Option<usize> {
-    scene.body.iter().position(|body| Some(&body.name) == name)
+    scene.body.iter().position(|body| name.is_some_and(|name| body.is_called(name)))
 }
 
 fn probes(scene: &Scene, probe: &scene::Probe) -> impl Iterator<Item = fluid::Probe> {

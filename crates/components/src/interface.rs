@@ -101,6 +101,12 @@ impl Interface {
         }
     }
 
+    /// The bodies alone: what a structure sees of a scene.
+    #[must_use]
+    pub fn of_bodies(&self) -> Self {
+        Self { bodies: self.bodies.clone(), ..Self::default() }
+    }
+
     /// The interface of the FMU with these resources, a folder.
     ///
     /// # Errors
@@ -108,9 +114,26 @@ impl Interface {
     pub fn of_resources(resources: Option<&std::path::Path>) -> Result<Self, Error> {
         let file = resources.map(|folder| folder.join(INTERFACE_FILE)).filter(|file| file.is_file());
         match file {
-            Some(file) => Ok(scene::from_toml(&scene::read_text(&file)?, INTERFACE_FILE, &[])?),
+            Some(file) => {
+                let interface: Self = scene::from_toml(&scene::read_text(&file)?, INTERFACE_FILE, &[])?;
+                interface.check()?;
+                Ok(interface)
+            }
             None => Ok(Self::of(&crate::default_scene()?)),
         }
+    }
+
+    /// Refuses what no scene can have, before memory is taken for it.
+    fn check(&self) -> Result<(), Error> {
+        let most = scene::Member::RANGES.iter().find(|key| key.name == "modes").map_or(0.0, |key| key.high);
+        let many = self.members().find(|(_, member)| member.modes as f64 > most);
+        let (key, got, expected) = match many {
+            Some((_, member)) => ("modes", member.modes, most),
+            None if self.layout().size() > ROW as usize => ("coordinates", self.layout().size(), f64::from(ROW)),
+            None => return Ok(()),
+        };
+        let expected = format!("at most {expected}: {INTERFACE_FILE} was changed");
+        Err(Error::Value { key: key.to_string(), got: got.to_string(), expected })
     }
 
     /// The same as the text of [`INTERFACE_FILE`].

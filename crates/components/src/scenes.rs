@@ -1,6 +1,6 @@
 //! From the string parameter `scene` to a scene.
 
-use crate::Error;
+use crate::{Error, INTERFACE_FILE};
 use scene::Scene;
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,14 @@ fn locate(name: &str, resources: Option<&Path>) -> Result<Option<PathBuf>, Error
     let not_found = |reason: String| Error::SceneNotFound { name: name.to_string(), reason };
     let own = resources.map(|resources| resources.join(OWN_SCENE)).filter(|path| path.is_file());
     if name.trim().is_empty() {
-        return Ok(own);
+        // What was packed for a scene must not begin with another one.
+        let packed = resources.is_some_and(|resources| resources.join(INTERFACE_FILE).is_file());
+        return match own {
+            None if packed => {
+                Err(not_found(format!("the resources have no {OWN_SCENE}; give the path of a scene file")))
+            }
+            own => Ok(own),
+        };
     }
     let path = Path::new(name);
     if path.is_file() {

@@ -47,11 +47,11 @@ pub fn rounded(text: &str) -> String {
         let length = from.len() - from.trim_start_matches(part_of_word).len();
         let (word, after) = from.split_at(length);
         out.push_str(before);
-        let joined = before
-            .chars()
-            .next_back()
-            .or(out.chars().next_back())
-            .is_some_and(|last| part_of_word(last) || last == '/');
+        let mut written = out.chars().rev();
+        let (last, second) = (written.next(), written.next());
+        let within = |letter: Option<char>| letter.is_some_and(|letter| part_of_word(letter) || letter == '/');
+        // A hyphen joins words, as those of a GUID.
+        let joined = within(last) || last == Some('-') && within(second);
         match if joined || after.starts_with('/') { None } else { number(word, after) } {
             Some((number, used)) => {
                 out.push_str(&number);
@@ -78,6 +78,9 @@ fn number(word: &str, after: &str) -> Option<(String, usize)> {
         let digits = exponent.len() - exponent.trim_start_matches(|letter: char| letter.is_ascii_digit()).len();
         whole = format!("{word}{}{}", &after[..1], &exponent[..digits]);
         used = whole.len();
+        if exponent[digits..].starts_with('-') {
+            return None;
+        }
     }
     let mantissa = whole.split(['e', 'E']).next()?;
     let digits = mantissa.trim_start_matches(['0', '.']).chars().filter(char::is_ascii_digit).count();
@@ -128,6 +131,11 @@ mod tests {
             ("/tmp/1.23456789/run_1.23456789.toml", "/tmp/1.23456789/run_1.23456789.toml"),
             ("version 1.2.345678901", "version 1.2.345678901"),
             ("q[1] = 2.5e3, ä1.23456789", "q[1] = 2.5e3, ä1.23456789"),
+            (
+                "6194f1a7-b217-5011-93c8-988e12345678 and 1234567e-5011-4",
+                "6194f1a7-b217-5011-93c8-988e12345678 and 1234567e-5011-4",
+            ),
+            ("-1.23456789 - 1.23456789", "-1.23457 - 1.23457"),
             ("", ""),
         ];
         for (text, expected) in cases {

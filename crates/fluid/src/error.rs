@@ -53,6 +53,20 @@ pub enum Error {
         /// Time of the step's start \[s\].
         time: f64,
     },
+    /// Two bodies stand in one another.
+    #[error(
+        "two bodies stand in one another at ({}, {}) m at t = {} s, and nothing holds them apart; end the run before, or give \
+         them more room",
+        six(*x), six(*y), six(*time)
+    )]
+    Overlap {
+        /// Place of the surface of one in the other \[m\].
+        x: f64,
+        /// Place of the surface of one in the other \[m\].
+        y: f64,
+        /// Time of the step's start \[s\].
+        time: f64,
+    },
     /// The pressure solve did not converge.
     #[error(
         "pressure solve at t = {} s: relative residual {} after {iterations} iterations on {unknowns} unknowns, wanted \

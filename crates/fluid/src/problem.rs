@@ -39,7 +39,7 @@ impl Problem {
     pub fn drawn(&self) -> (Walls, BodyContact) {
         let layout = WallLayout::new(&self.geometry, self.spacing);
         let walls = self.place(&layout, &self.geometry.bodies.at_rest().position);
-        let contact = BodyContact::new(&layout.panels, &walls, self.spacing);
+        let contact = BodyContact::new(&layout.panels, &self.geometry.bodies, &walls, self.spacing);
         (walls, contact)
     }
 

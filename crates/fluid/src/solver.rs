@@ -82,6 +82,8 @@ impl Solver {
             .build()
             .map_err(|error| Error::Threads { threads, reason: error.to_string() })?;
         let (walls, contact) = problem.drawn();
+        check::bodies_are_apart(&problem.geometry)?;
+        contact.check_apart(&problem.geometry.bodies, &problem.geometry.bodies.at_rest(), 0.0)?;
         check::fits_together(&walls, &problem.geometry, &positions, spacing)?;
         check::no_overlap(&positions, spacing)?;
         let domain = domain(&walls, &positions);
@@ -304,6 +306,7 @@ impl Solver {
     fn limits_towards(&self, mut limits: Limits, state: &State, end: &Motion, left: f64) -> Result<Limits, Error> {
         let bodies = &self.problem.geometry.bodies;
         self.contact.check(bodies, end, state.time)?;
+        self.contact.check_apart(bodies, end, state.time)?;
         for point in self.problem.layout.panels.iter().flatten() {
             let place = bodies.position(*point, end);
             self.check_inside(&place, state.time)?;

@@ -134,3 +134,32 @@ fn a_probe_on_a_body_that_is_not_there_is_refused() {
     let message = Solver::new(parameters(voronoi(), 0.02, 1e-8, 1), geometry).unwrap_err().to_string();
     assert!(message.contains("a probe on body 2") && message.contains("2 bodies"), "{message}");
 }
+
+/// Bodies that stand in one another are refused, at the start and on their way.
+#[test]
+fn bodies_stay_apart() {
+    let shifted = |way: f64| {
+        let mut geometry = two_boxes();
+        let mut bodies = geometry.bodies.bodies().to_vec();
+        bodies[1].origin.x += way;
+        geometry.bodies = BodySet::new(bodies);
+        geometry
+    };
+    let made =
+        |way: f64| Solver::new(parameters(voronoi(), 0.04, 1e-6, 1), shifted(way)).map_err(|error| error.to_string());
+    for way in [-0.5, -0.6] {
+        let message = made(way).unwrap_err();
+        assert!(message.contains("two bodies stand in one another"), "{way}: {message}");
+    }
+    let solver = made(0.0).unwrap();
+    let (state, mut end) = (solver.initial_state(), solver.at_rest());
+    // The left box reaches to 0.8 m, the right one begins at 1.2 m.
+    for (way, fits) in [(0.39, true), (0.45, false)] {
+        end.position[0] = way;
+        end.velocity[0] = 1.0;
+        let stepped = solver.step(&mut state.clone(), &end, 1e-3, &mut solver.workspace());
+        let told =
+            stepped.as_ref().err().is_some_and(|error| error.to_string().contains("two bodies stand in one another"));
+        assert_eq!(told, !fits, "{way} m: {stepped:?}");
+    }
+}

@@ -184,8 +184,19 @@ macro_rules! keys {
                 $($key: Option<$type>,)*
             }
 
+            /// What a saved state has, all of it.
+            #[derive(serde::Deserialize)]
+            #[serde(crate = "keys::serde")]
+            struct Saved {
+                $($key: $type,)*
+            }
+
             impl<'de> serde::Deserialize<'de> for $name {
                 fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+                    if !from.is_human_readable() {
+                        let Saved { $($key),* } = Saved::deserialize(from)?;
+                        return Ok(Self { $($key),* });
+                    }
                     let given = Given::deserialize(from)?;
                     Ok(Self {
                         $($key: match given.$key {
@@ -316,6 +327,14 @@ mod tests {
         assert_eq!(three, Three { share: 0.25, ..Three::default() });
         let message = serde_json::from_str::<Three>("{\"shore\": 0.25}").unwrap_err().to_string();
         assert!(message.contains("unknown field `shore`"), "{message}");
+    }
+
+    /// Formats without names of their fields, as states are saved in.
+    #[test]
+    fn what_is_saved_without_names_is_read_again() {
+        let three = Three { share: 0.25, time: Some(3.0), ..Three::default() };
+        let bytes = postcard::to_stdvec(&three).unwrap();
+        assert_eq!(postcard::from_bytes::<Three>(&bytes).unwrap(), three);
     }
 
     #[test]

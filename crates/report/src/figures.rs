@@ -172,7 +172,16 @@ fn families(wanted: &Wanted, series: &Series) -> Vec<(String, Chart)> {
         (slug(&key), Chart { title, x: TIME.to_string(), y: format!("[{unit}]"), curves, band: None })
     };
     families.sort_by_key(|(_, members)| rank(&members[0].name));
-    families.into_iter().map(chart).collect()
+    let mut charts: Vec<(String, Chart)> = families.into_iter().map(chart).collect();
+    // Names that differ in the case of their letters only are one name of a file.
+    for index in 1..charts.len() {
+        let (before, rest) = charts.split_at_mut(index);
+        let number = before.iter().filter(|(stem, _)| stem.split('~').next() == Some(rest[0].0.as_str())).count();
+        if number > 0 {
+            rest[0].0 += &format!("~{}", number + 1);
+        }
+    }
+    charts
 }
 
 /// Place of a variable's chart: what is looked for first stands first, modal coordinates last.

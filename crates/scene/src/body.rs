@@ -1,6 +1,6 @@
 //! Bodies and their flexible members in a scene file. Field names are the keys of the file.
 
-use crate::{Point, Wall};
+use crate::{Point, Wall, identifier};
 use keys::keys;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,13 +28,17 @@ keys! {
         member: Vec<Member> = Vec::new();
         /// Contact of the corners of `wall` with the fluid's fixed walls; without it a run stops where they meet.
         contact: Option<Contact> = None;
-        /// A constant load on the coordinates of the body, for scenes without water: on x, y, theta \[N/m, N/m, N m/m\], then
-        /// on the modes of its members in their order \[N per modal unit\].
+        /// A constant load on x, y, theta beside that of the water \[N/m, N/m, N m/m\]; missing ones are 0.
         constant_load: Vec<f64> = Vec::new(), each in -1e15 to 1e15;
     }
 }
 
 impl Body {
+    /// Whether this is its name, or the word of its name in variables.
+    pub fn is_called(&self, name: &str) -> bool {
+        self.name == name || identifier(&self.name) == identifier(name)
+    }
+
     /// Number of modes of all its members.
     pub fn modes(&self) -> usize {
         self.member.iter().map(|member| member.modes).sum()
@@ -96,6 +100,8 @@ keys! {
         deflection_limit: Option<f64> = None, in 1e-6 to 1e6;
         /// Damping ratios of the modes; missing ones are 0.
         damping: Vec<f64> = Vec::new(), each in 0.0 to 1.0;
+        /// A constant load on the modes beside that of the water \[N per modal unit\]; missing ones are 0.
+        constant_load: Vec<f64> = Vec::new(), each in -1e15 to 1e15;
         /// Modal coordinates at the start \[m sqrt(kg/m)\]; missing ones are 0.
         initial_modes: Vec<f64> = Vec::new(), each in -1e15 to 1e15;
     }

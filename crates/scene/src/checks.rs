@@ -12,7 +12,7 @@ pub struct Check {
     pub name: String,
     /// What is computed.
     pub kind: CheckKind,
-    /// Variable as in results.csv, for example `fluid.probe.pressure[1]`.
+    /// Variable as in results.csv, for example `fluid.probe.P1.pressure`.
     #[serde(default)]
     pub variable: String,
     /// Start of the window \[s\]; absent: the start of the run.

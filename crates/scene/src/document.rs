@@ -166,21 +166,28 @@ fn parse_error(name: &str, text: &str, path: &str, error: &toml::de::Error) -> E
 
 /// What the parser said, after the key path that it said it of.
 fn said(path: &str, error: &toml::de::Error) -> String {
-    format!("{}{}", before(path), words::plain(error.message()))
+    let message = words::plain(error.message());
+    let is_list = message.contains("expected a list");
+    let remedy = match path.rsplit('.').next() {
+        Some("on_body") => "; name the body: on_body = \"NAME\"",
+        Some("body") if is_list => "; a body is written [[body]], for there may be several",
+        Some("member") if is_list => "; a member is written [[body.member]], for there may be several",
+        _ => "",
+    };
+    format!("{}{message}{remedy}", before(path))
 }
+
+const OF_ALL_BODIES: &str = "the integrator is that of all bodies and stands in [integrator]";
 
 /// Keys and words that were others once, and what to write now; each where one of the known ones is what is now.
 const RENAMED: &[(&str, &str, &str)] = &[
     ("accurate", "voronoi", "`accurate` is called `voronoi` now"),
     ("paper", "mps", "`paper` is called `mps` now"),
-    (
-        "structure",
-        "body",
-        "a [structure] is a [[body]] with a `name` now, its beam a [[body.member]] with a `name`, and its integrator stands in \
-         [integrator]",
-    ),
     ("beam", "member", "a beam is a [[body.member]] with a `name` now"),
-    ("integrator", "constant_load", "the integrator is that of all bodies and stands in [integrator] now"),
+    ("integrator", "constant_load", OF_ALL_BODIES),
+    ("rho_infinity", "constant_load", OF_ALL_BODIES),
+    ("beta", "constant_load", OF_ALL_BODIES),
+    ("gamma", "constant_load", OF_ALL_BODIES),
 ];
 
 /// What an unknown key is called now, or the known key nearest to it, from an error text that lists the known ones in
@@ -217,6 +224,12 @@ fn keys(path: &str) -> Result<Vec<&str>, String> {
         let (head, tail) = path.split_once('.').map_or((path, None), |(head, tail)| (head, Some(tail)));
         // Names of variables contain dots: they are one key.
         let whole = keys.last() == Some(&"parameters");
+        // As messages write it: `body[0]` is `body.0`.
+        if let Some((list, index)) = head.strip_suffix(']').and_then(|head| head.split_once('[')).filter(|_| !whole) {
+            keys.extend([list, index]);
+            rest = tail;
+            continue;
+        }
         keys.push(if whole { path } else { head });
         rest = if whole { None } else { tail };
     }

@@ -37,6 +37,7 @@ impl Scene {
     /// Parses the text, applies overrides (key path, TOML value), those of its quick variant first if that is active,
     /// validates.
     pub fn with_overrides(text: &str, name: &str, overrides: &[(String, String)]) -> Result<Self, Error> {
+        refuse_old_form(text, name)?;
         let mut scene: Scene = from_toml(text, name, overrides)?;
         if scene.quick.active {
             let mut all = scene.quick.overrides(name)?;
@@ -47,6 +48,18 @@ impl Scene {
         scene.validate(name).map_err(|error| error.located(text, overrides))?;
         Ok(scene)
     }
+}
+
+/// A scene of the form with one structure is refused with what to write before anything else that is wrong with it.
+fn refuse_old_form(text: &str, name: &str) -> Result<(), Error> {
+    let table = text.parse::<toml::Table>().unwrap_or_default();
+    if !table.contains_key("structure") {
+        return Ok(());
+    }
+    let message = "unknown key `structure`: a [structure] is a [[body]] with a `name` now, its beam a [[body.member]] with a \
+                   `name`, its integrator stands in [integrator], and on_body = true is on_body = \"NAME\"";
+    let line = crate::place::line_of(text, "structure").unwrap_or(1);
+    Err(Error::Parse { name: name.to_string(), line, message: message.to_string(), hint: String::new() })
 }
 
 #[cfg(test)]
@@ -93,6 +106,18 @@ mod tests {
             message.contains("a [structure] is a [[body]] with a `name` now") && message.contains("line 8"),
             "{message}"
         );
+        for (old, expected) in [
+            ("[body]\nname = 'b'\n", "a body is written [[body]]"),
+            ("[[body]]\nname = 'b'\nrho_infinity = 0.5\n", "stands in [integrator]"),
+            ("[[region]]\nname = 'r'\n", "did you mean"),
+        ] {
+            let message = Scene::from_str(&format!("{SCENE}{old}"), "tank.toml").unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
+        let carried =
+            SCENE.replace("spacing = 0.01", "spacing = 0.01\nprobe = [{ name = 'p', point = [0, 0], on_body = true }]");
+        let message = Scene::from_str(&carried, "tank.toml").unwrap_err().to_string();
+        assert!(message.contains("name the body: on_body = \"NAME\""), "{message}");
         let text = format!("{SCENE}[[body]]\nname = 'box'\n[body.beam]\nlength = 1.0\n");
         let message = Scene::from_str(&text, "tank.toml").unwrap_err().to_string();
         assert!(message.contains("a beam is a [[body.member]] with a `name` now"), "{message}");
@@ -101,7 +126,12 @@ mod tests {
     #[test]
     fn entries_of_a_list_go_by_their_index_or_their_name() {
         let text = format!("{SCENE}[[body]]\nname = 'left box'\nfree = ['y']\nmass = 1.0\n");
-        for (key, value) in [("body.0.mass", "2.0"), ("body.left box.mass", "2.0"), ("body.left_box.mass", "2.0")] {
+        for (key, value) in [
+            ("body.0.mass", "2.0"),
+            ("body.left box.mass", "2.0"),
+            ("body.left_box.mass", "2.0"),
+            ("body[0].mass", "2.0"),
+        ] {
             let scene = Scene::with_overrides(&text, "t", &[(key.into(), value.into())]).unwrap();
             assert_eq!(scene.body[0].mass, 2.0, "{key}");
         }

@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 const MOST_PARTICLES: f64 = 1e7;
 /// Communication steps of a run.
 const MOST_STEPS: f64 = 1e9;
+/// Letters of a name.
+const LONGEST_NAME: usize = 60;
 /// Points of one line probe.
 const MOST_PROBE_POINTS: f64 = 1000.0;
 
@@ -84,7 +86,12 @@ impl Checker<'_> {
         for (index, name) in names {
             let (key, got, word) = (format!("{list}[{index}].name"), format!("'{name}'"), identifier(name));
             if word.is_empty() {
-                self.fail(&key, &got, "a name with a letter or a digit")?;
+                self.fail(&key, &got, "a name with a letter from a to z or a digit")?;
+            }
+            if word.len() > LONGEST_NAME {
+                let expected =
+                    format!("a name of at most {LONGEST_NAME} letters, since it is a part of names of files");
+                self.fail(&key, format!("{} letters", word.len()), &expected)?;
             }
             if let Some((first, other)) = known.insert(word.clone(), (index, name)) {
                 let expected = match other == name {
@@ -214,7 +221,7 @@ fn validate_instruments(check: &Checker, fluid: &Fluid, bodies: &[Body]) -> Resu
     let probes = fluid.probe.iter().map(|probe| &probe.on_body).enumerate().map(|(i, on)| ("probe", i, on));
     let regions = fluid.region.iter().map(|region| &region.on_body).enumerate().map(|(i, on)| ("region", i, on));
     for (list, index, carrier) in probes.chain(regions) {
-        let Some(name) = carrier.as_ref().filter(|name| bodies.iter().all(|body| body.name != **name)) else {
+        let Some(name) = carrier.as_ref().filter(|name| bodies.iter().all(|body| !body.is_called(name))) else {
             continue;
         };
         let known: Vec<_> = bodies.iter().map(|body| format!("'{}'", body.name)).collect();

@@ -1,7 +1,7 @@
 //! The ranges of the values of bodies and members.
 
 use crate::validate::Checker;
-use crate::{Body, Error, Freedom, Member};
+use crate::{Body, Error, Freedom, Member, identifier};
 use digits::six;
 use keys::ABOVE_ZERO;
 
@@ -37,10 +37,14 @@ fn validate_body(check: &Checker, body: &Body, table: &str) -> Result<(), Error>
     }
     check.names(&key("member"), body.member.iter().map(|member| member.name.as_str()).enumerate())?;
     for (i, member) in body.member.iter().enumerate() {
+        // `added_mass.NAME.x` is that of the body itself.
+        if ["x", "y", "theta"].contains(&identifier(&member.name).as_str()) {
+            let expected = "a name other than x, y and theta, which are those of a body's coordinates";
+            check.fail(&key(&format!("member[{i}].name")), format!("'{}'", member.name), expected)?;
+        }
         validate_member(check, member, &key(&format!("member[{i}]")))?;
     }
-    let most = 3.0 + body.modes() as f64;
-    check.within(&format!("length of {}", key("constant_load")), body.constant_load.len() as f64, 0.0, most)
+    check.within(&format!("length of {}", key("constant_load")), body.constant_load.len() as f64, 0.0, 3.0)
 }
 
 /// `table` is the key path of the member.
@@ -51,7 +55,12 @@ fn validate_member(check: &Checker, member: &Member, table: &str) -> Result<(), 
         let expected = format!("less than the length, {} m: a beam is long and thin", six(member.length));
         check.fail(&key("thickness"), six(member.thickness), &expected)?;
     }
-    for (field, count) in [("damping", member.damping.len()), ("initial_modes", member.initial_modes.len())] {
+    let lists = [
+        ("damping", member.damping.len()),
+        ("constant_load", member.constant_load.len()),
+        ("initial_modes", member.initial_modes.len()),
+    ];
+    for (field, count) in lists {
         check.within(&format!("length of {}", key(field)), count as f64, 0.0, member.modes as f64)?;
     }
     Ok(())

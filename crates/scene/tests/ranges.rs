@@ -66,6 +66,7 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("body.0.contact.damping", &["-1.0", "inf"], &["0.0"]),
     ("body.0.member.0.deflection_limit", &["0.0", "inf"], &["1e-6", "1e6"]),
     ("body.0.member.0.modes", &["-1", "21"], &["1", "20"]),
+    ("body.0.member.0.constant_load.0", &["-1.1e15"], &["1e15"]),
     ("body.0.member.0.damping.0", &["-0.01", "1.01"], &["0", "1"]),
     ("body.0.member.0.initial_modes.0", &["-1.1e15", "1.1e15"], &["-1e15", "1e15"]),
     ("coupling.relaxation", &["-1", "0", "1.01"], &["1e-6", "1"]),

@@ -17,7 +17,7 @@ fn lists_that_are_too_short_or_too_long() {
         ("fluid.probe.0", "{ name = 'n' }", &["fluid.probe[0]", "`point`, or `from`"]),
         ("fluid.probe.1.point", "[0,0]", &["fluid.probe[1]", "either"]),
         ("body.0.wall.0.points", "[[0,0]]", &["body[0].wall[0].points = 1 points"]),
-        ("body.0.constant_load", "[0,0,0,0,0,6]", &["body[0].constant_load = 6", "from 0 to 5"]),
+        ("body.0.constant_load", "[0,0,0,0,0,6]", &["body[0].constant_load = 6", "from 0 to 3"]),
         ("body.0.member.0.damping", "[0,0,0]", &["body[0].member[0].damping = 3", "from 0 to 2"]),
         ("body.0.member.0.initial_modes", "[0,0,0]", &["body[0].member[0].initial_modes = 3", "from 0 to 2"]),
         ("fluid.scheme", "voronoy", &["fluid.scheme=voronoy", "did you mean `voronoi`"]),
@@ -104,9 +104,15 @@ fn names_are_used_once() {
         (
             "fluid.gauge",
             "[{ name = '--', x = 1 }]",
-            "fluid.gauge[0].name = '--': expected a name with a letter or a digit",
+            "fluid.gauge[0].name = '--': expected a name with a letter from a to z or a digit",
         ),
-        ("body.0.name", "''", "body[0].name = '': expected a name with a letter or a digit"),
+        ("body.0.member.0.name", "'theta'", "expected a name other than x, y and theta"),
+        (
+            "body.0.name",
+            "'a long name that goes on and on and on, as nobody would give one to a body'",
+            "at most 60 letters",
+        ),
+        ("body.0.name", "''", "body[0].name = '': expected a name with a letter from a to z or a digit"),
         (
             "fluid.probe.0.on_body",
             "'cabbin'",

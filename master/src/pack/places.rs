@@ -6,6 +6,7 @@ use fmi::Component;
 use fmi2::describe;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The shared library of a crate: in `deps` beside the program, where cargo builds dependencies, or beside the
 /// program itself, where an installation may put it.
@@ -39,7 +40,30 @@ pub fn fmus_folder(interface: &Interface, results: &Path) -> Result<PathBuf, Err
     let name = format!("fmus-{}", &guid.simple().to_string()[..8]);
     let beside = program_folder().join(&name);
     let writable = std::fs::create_dir_all(&beside).is_ok() && tempfile::tempfile_in(&beside).is_ok();
-    Ok(if writable { beside } else { results.join(name) })
+    if !writable {
+        return Ok(results.join(name));
+    }
+    forget_old(&program_folder(), &beside);
+    Ok(beside)
+}
+
+/// Time after which FMUs that no run asked for are packed again when one does.
+const KEPT: Duration = Duration::from_hours(24);
+
+/// Notes that `used` is in use, and removes folders of FMUs that were not for long: every interface has one, and a study may
+/// have many.
+fn forget_old(folder: &Path, used: &Path) {
+    let stamp = |folder: &Path| folder.join("used");
+    // Where it cannot be noted or removed nothing is lost but room.
+    let _ = std::fs::write(stamp(used), "");
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    let is_ours = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("fmus-"));
+    for path in entries.flatten().map(|entry| entry.path()).filter(is_ours) {
+        let age = std::fs::metadata(stamp(&path)).and_then(|data| data.modified()).map(|time| time.elapsed());
+        if age.is_ok_and(|age| age.is_ok_and(|age| age > KEPT)) {
+            let _ = std::fs::remove_dir_all(&path);
+        }
+    }
 }
 
 /// The nearest folder `scenes` in or above the working directory, else in or above the program's folder.
@@ -78,6 +102,22 @@ pub fn files_with(folder: &Path, extension: &str) -> Result<Vec<PathBuf>, Error>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fmus_that_were_not_used_for_long_are_forgotten() {
+        let folder = tempfile::tempdir().unwrap();
+        let make = |name: &str, days: u64| {
+            let path = folder.path().join(name);
+            std::fs::create_dir(&path).unwrap();
+            let file = std::fs::File::create(path.join("used")).unwrap();
+            file.set_modified(std::time::SystemTime::now() - Duration::from_hours(24 * days)).unwrap();
+            path
+        };
+        let (old, recent, other) = (make("fmus-1", 2), make("fmus-2", 0), make("results", 9));
+        let used = make("fmus-3", 5);
+        forget_old(folder.path(), &used);
+        assert_eq!([&old, &recent, &other, &used].map(|path| path.is_dir()), [false, true, true, true]);
+    }
 
     #[test]
     fn scenes_come_with_the_curves_that_their_checks_name() {

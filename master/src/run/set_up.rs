@@ -44,17 +44,19 @@ pub fn set_up(case: &Case, participants: Vec<Box<dyn Participant>>) -> Result<(S
     Ok((system, warnings))
 }
 
-/// Checks of variables that no participant gives would be noticed at the end only.
+/// Checks and plots of variables that no participant gives would be noticed at the end only.
 fn missing_variables(case: &Case, system: &System) -> Vec<String> {
     let columns = record::recorded(system, &case.exclude);
     let names = || columns.iter().flatten().map(|(name, _)| name.as_str());
-    let asked = case.check.iter().filter(|check| !check.variable.is_empty());
-    let missing = asked.filter(|check| !names().any(|name| name == check.variable));
+    let checks = case.check.iter().filter(|check| !check.variable.is_empty());
+    let checks = checks.map(|check| (format!("check '{}'", check.name), &check.variable));
+    let plots = case.output.plot.iter().map(|variable| ("output.plot".to_string(), variable));
+    let missing = checks.chain(plots).filter(|(_, variable)| !names().any(|name| name == *variable));
     missing
-        .map(|check| {
-            let near = scene::nearest(&check.variable, names());
+        .map(|(place, variable)| {
+            let near = scene::nearest(variable, names());
             let hint = near.map_or_else(String::new, |name| format!("; the nearest name is '{name}'"));
-            format!("check '{}': this run has no variable '{}'{hint}", check.name, check.variable)
+            format!("{place}: this run has no variable '{variable}'{hint}")
         })
         .collect()
 }

@@ -73,9 +73,11 @@ fn constant_loads(scene: &Scene) -> Vec<(String, f64)> {
     let layout = interface.layout();
     let coordinates: Vec<_> = layout.coordinates().collect();
     let of_body = |(index, body): (usize, &Body)| {
-        let own = coordinates[layout.body(index)].iter().zip(&body.constant_load).filter(|(_, load)| **load != 0.0);
-        let named = own.map(|(&at, &load)| (interface.motion(at)[0].clone(), load));
-        named.collect::<Vec<_>>()
+        let members = body.member.iter().enumerate();
+        let members = members.map(|(member, part)| (layout.member(index, member), &part.constant_load));
+        let all = std::iter::once((layout.rigid(index), &body.constant_load)).chain(members);
+        let pairs = all.flat_map(|(own, loads)| coordinates[own].iter().zip(loads)).filter(|(_, load)| **load != 0.0);
+        pairs.map(|(&at, &load)| (interface.motion(at)[0].clone(), load)).collect::<Vec<_>>()
     };
     scene.body.iter().enumerate().flat_map(of_body).collect()
 }

@@ -37,7 +37,7 @@ pub(super) struct Runtime {
 
 impl Runtime {
     pub(super) fn new(scene: Arc<Scene>, interface: &Interface, series: Option<Series>) -> Result<Self, Error> {
-        let matching = Matching::new(interface, &Interface::of(&scene))?;
+        let matching = Matching::new(interface, &Interface::of(&scene).of_bodies())?;
         let solver = structure::Solver::new(conversion::structure(&scene)?)?;
         let bodies = conversion::bodies(&scene)?;
         Ok(Self { bodies, matching, workspace: solver.workspace(), solver, series, scene })
@@ -53,9 +53,14 @@ impl Runtime {
         let layout = self.bodies.layout();
         let mut load = vec![0.0; layout.size()];
         self.matching.pairs().for_each(|(own, of_scene)| load[of_scene] = input[own]);
+        let mut add = |own: std::ops::Range<usize>, constant: &[f64]| {
+            load[own].iter_mut().zip(constant).for_each(|(load, constant)| *load += constant);
+        };
         for (index, body) in self.scene.body.iter().enumerate() {
-            let own = &mut load[layout.body(index)];
-            own.iter_mut().zip(&body.constant_load).for_each(|(load, constant)| *load += constant);
+            add(layout.rigid(index), &body.constant_load);
+            for (member, part) in body.member.iter().enumerate() {
+                add(layout.member(index, member), &part.constant_load);
+            }
         }
         load
     }

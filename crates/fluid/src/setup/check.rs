@@ -4,11 +4,12 @@ use crate::Error;
 use crate::grid::{Grid, bounding_box};
 use crate::parallel;
 use crate::parameters::Geometry;
+use crate::setup::fill::contains;
 use crate::state::State;
 use crate::walls::check as wall_check;
-use crate::walls::sides::{SLACK, Sides, Solids};
+use crate::walls::sides::{SLACK, Sides, Solids, is_closed};
 use crate::walls::{FIXED, Walls};
-use kinematics::{Body, MaterialPoint, Motion};
+use kinematics::{Body, MaterialPoint, Motion, SurfacePoint};
 use nalgebra::Vector2;
 
 /// Spacings from one end of a scene to the other: more is a slip in a coordinate, and no place has digits left there.
@@ -132,6 +133,26 @@ pub fn fits_together(walls: &Walls, geometry: &Geometry, water: &[Vector2<f64>],
         }
     }
     wall_check::are_seen_from_the_front(walls, water, spacing)
+}
+
+/// Refuses a body that stands wholly in another one: their surfaces do not cross.
+pub fn bodies_are_apart(geometry: &Geometry) -> Result<(), Error> {
+    let (bodies, rest) = (&geometry.bodies, geometry.bodies.at_rest());
+    let place = |body: usize, point: &Vector2<f64>| {
+        bodies.position(SurfacePoint { body, point: MaterialPoint::Rigid(*point) }, &rest)
+    };
+    for (k, solid) in bodies.bodies().iter().enumerate() {
+        let closed = solid.walls.iter().filter(|wall| is_closed(wall));
+        for outline in closed.map(|wall| wall.iter().map(|point| place(k, point)).collect::<Vec<_>>()) {
+            let others = bodies.bodies().iter().enumerate().filter(|(l, _)| *l != k);
+            let corners =
+                others.flat_map(|(l, body)| body.walls.iter().filter_map(|wall| wall.first()).map(move |at| (l, at)));
+            if let Some(inside) = corners.map(|(l, at)| place(l, at)).find(|at| contains(&outline, at)) {
+                return Err(Error::Overlap { x: inside.x, y: inside.y, time: 0.0 });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Refuses particles on the surface of the body: those of a polygon that covers a solid as thin as the spacing stand on

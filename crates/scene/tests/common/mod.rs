@@ -52,6 +52,7 @@ poisson_ratio = 0.3
 deflection_limit = 0.2
 modes = 2
 damping = [0.01]
+constant_load = [0.5]
 initial_modes = [0.1]
 [integrator]
 rho_infinity = 0.8
