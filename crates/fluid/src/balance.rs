@@ -15,14 +15,14 @@ pub struct Impulses {
     pub damping: Vector2<f64>,
     /// Particles that left the domain, which take theirs with them.
     pub lost: Vector2<f64>,
-    /// Pressure on fixed walls; with the scheme `mps` in `projection`.
+    /// Pressure on fixed walls, and particles that they stopped; with the scheme `mps` in `projection`.
     pub walls: Vector2<f64>,
-    /// Pressure on bodies.
+    /// Pressure on bodies, and particles that they stopped.
     pub bodies: Vector2<f64>,
     /// What the pressure gives beyond that: on facets that close a cell where no wall is, and to cells whose area is not that of
     /// their particle.
     pub projection: Vector2<f64>,
-    /// Particles that were stopped at walls, or collided.
+    /// Particles that collided, with each other or with walls, in the scheme `mps`.
     pub contacts: Vector2<f64>,
     /// Smoothing of the velocity.
     pub smoothing: Vector2<f64>,
@@ -42,10 +42,10 @@ impl Impulses {
         ("forces", "gravity, attraction and shaking"),
         ("damping", "damping zones"),
         ("lost", "particles that left the domain"),
-        ("walls", "pressure on fixed walls (scheme voronoi)"),
-        ("bodies", "pressure on bodies"),
+        ("walls", "fixed walls (scheme voronoi): pressure, and particles that they stopped"),
+        ("bodies", "bodies: pressure, and particles that they stopped"),
         ("projection", "the pressure beyond that: closure facets, cells whose area is not their particle's"),
-        ("contacts", "particles stopped at walls"),
+        ("contacts", "collisions (scheme mps)"),
         ("smoothing", "smoothing of the velocity"),
         ("shifting", "velocities that follow shifted particles"),
     ];

@@ -68,3 +68,20 @@ fn smoothing_gives_no_momentum() {
     let (_, impulses) = run(parameters(voronoi(), 0.01, 1e-8, 1), splash(), 250);
     assert!(impulses.smoothing.norm() < 1e-9 * size(&impulses), "{impulses:?}");
 }
+
+/// What bodies give to the water is what the water gives to them as its load, particles that they stop included.
+#[test]
+fn the_load_is_what_the_water_loses() {
+    for scheme in [voronoi(), mps()] {
+        let solver = Solver::new(parameters(scheme, 0.01, 1e-8, 1), splash()).unwrap();
+        let (mut state, mut workspace, end) = (solver.initial_state(), solver.workspace(), solver.at_rest());
+        let (mut load, mut contacts) = (Vector2::zeros(), 0);
+        for _ in 0..300 {
+            contacts += solver.step(&mut state, &end, 1e-3, &mut workspace).unwrap().contacts;
+            load += Vector2::new(state.load[0], state.load[1]) * 1e-3;
+        }
+        assert!(contacts > 10 && load.norm() > 1.0, "{contacts} contacts, {load}");
+        let rest = (load + state.impulses.bodies).norm();
+        assert!(rest < 1e-10 * size(&state.impulses), "{rest} of {load}");
+    }
+}

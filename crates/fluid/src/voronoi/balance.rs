@@ -1,7 +1,7 @@
 //! The impulses of one step of the scheme `voronoi`: how far the pressure on walls and bodies is what the water loses.
 
 use super::system::PressureSystem;
-use crate::balance::Momenta;
+use crate::balance::{Momenta, force_of_load};
 use crate::parallel;
 use crate::problem::Problem;
 use crate::state::State;
@@ -19,7 +19,10 @@ impl Balance {
     pub fn predicted(&mut self, problem: &Problem, state: &mut State, system: &PressureSystem, smoothed: bool) {
         self.momenta.since(problem, &state.areas, &state.velocities);
         if system.contacts > 0 {
-            state.impulses.contacts += self.momenta.since(problem, &state.areas, &system.before);
+            let all = self.momenta.since(problem, &state.areas, &system.before);
+            let bodies = -force_of_load(problem, &system.stopped);
+            state.impulses.bodies += bodies;
+            state.impulses.walls += all - bodies;
         }
         if smoothed {
             state.impulses.forces += self.momenta.since(problem, &state.areas, &system.smoothed);
@@ -48,13 +51,6 @@ impl Balance {
     /// The shift.
     pub fn shifted(&mut self, problem: &Problem, state: &mut State) {
         state.impulses.shifting += self.momenta.since(problem, &state.areas, &state.velocities);
-    }
-
-    /// Contacts at the end of the step.
-    pub fn stopped(&mut self, problem: &Problem, state: &mut State, contacts: usize) {
-        if contacts > 0 {
-            state.impulses.contacts += self.momenta.since(problem, &state.areas, &state.velocities);
-        }
     }
 }
 

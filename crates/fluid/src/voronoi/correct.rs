@@ -5,6 +5,7 @@ use super::system::PressureSystem;
 use crate::parallel::{self, CHUNK};
 use crate::problem::Problem;
 use crate::state::State;
+use crate::time_step::TimeStep;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
@@ -46,6 +47,12 @@ pub fn add_body_load(state: &mut State, system: &PressureSystem, problem: &Probl
             *load += force * work;
         }
     }
+}
+
+/// Adds the impulses of the particles that the bodies stopped, over the communication step of which this is a `share`.
+pub fn add_stopped(state: &mut State, system: &PressureSystem, step: TimeStep) {
+    let rate = step.share / step.length;
+    state.load.iter_mut().zip(&system.stopped).for_each(|(load, impulse)| *load += impulse * rate);
 }
 
 /// Adds the added mass, times `share`.

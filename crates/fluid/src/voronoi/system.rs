@@ -14,9 +14,9 @@ use crate::report::{StageTimes, Watch};
 use crate::state::State;
 use crate::time_step::TimeStep;
 use crate::walls::PanelMotion;
-use crate::walls::stop::{self, Contact};
+use crate::walls::stop::{self, Contact, Stop};
 use crate::walls::{FIXED, WallProximity, Walls};
-use kinematics::Motion;
+use kinematics::{Motion, SurfacePoint};
 use nalgebra::{DVector, Matrix2, Vector2};
 
 /// Everything prepared for one internal step.
@@ -36,6 +36,9 @@ pub struct PressureSystem {
     panels: PanelMotion,
     /// Particles stopped at walls on the way to the middle of the step.
     pub contacts: usize,
+    stops: Vec<Stop>,
+    /// Generalised impulse on the coordinates of the bodies of the particles that they stopped \[N s/m, N s, modal\].
+    pub stopped: Vec<f64>,
     /// Positions in the middle of the step \[m\].
     pub positions: Vec<Vector2<f64>>,
     /// Velocities at the start of the step, of particles that the walls let pass \[m/s\].
@@ -84,6 +87,8 @@ impl Default for PressureSystem {
             walls_placed: false,
             panels: PanelMotion::default(),
             contacts: 0,
+            stops: Vec::new(),
+            stopped: Vec::new(),
             positions: Vec::new(),
             before: Vec::new(),
             rates: DVector::zeros(0),
@@ -154,7 +159,7 @@ impl PressureSystem {
     /// Predicted velocities, right side, matrix and preconditioner.
     pub fn assemble(&mut self, problem: &Problem, voronoi: &VoronoiParameters, state: &State, step: TimeStep) {
         self.predict(problem, step.length);
-        self.smooth(voronoi, step.length);
+        self.smooth(voronoi, &state.areas, step.length);
         self.ask(voronoi, state, step);
         self.build_source(problem, step.length);
         self.closed = fill_matrix(&mut self.matrix, &self.cells, &state.areas, &mut self.components);
@@ -186,11 +191,28 @@ impl PressureSystem {
         let panels = &self.panels;
         let moved = (&mut self.positions[..], &mut self.before[..]);
         let contact = Contact::inelastic(problem.spacing);
-        self.contacts = stop::stop_at_walls(moved, &self.proximities, &self.walls, &contact, |panel, fraction| {
-            panels.velocity(panel, fraction)
-        });
+        let velocity_of = |panel, fraction| panels.velocity(panel, fraction);
+        self.contacts =
+            stop::stop_at_walls(moved, &self.proximities, &self.walls, &contact, velocity_of, &mut self.stops);
         if self.contacts > 0 {
             self.attach();
+        }
+        self.give_to_bodies(problem, state);
+    }
+
+    /// What stopped particles lose to moving panels is the bodies', by virtual work.
+    fn give_to_bodies(&mut self, problem: &Problem, state: &State) {
+        self.stopped.resize(problem.coordinates(), 0.0);
+        self.stopped.fill(0.0);
+        if self.contacts == 0 || self.stopped.is_empty() {
+            return;
+        }
+        let touched = self.stops.iter().enumerate().filter(|(_, stop)| stop.change != Vector2::zeros());
+        for (i, stop) in touched {
+            let [start, end] = problem.layout.panels[stop.panel as usize];
+            let Some(at) = SurfacePoint::between(start, end, stop.fraction) else { continue };
+            let impulse = stop.change * (-problem.parameters.density * state.areas[i]);
+            problem.geometry.bodies.add_force(at, &self.middle.position, impulse, &mut self.stopped);
         }
     }
 
@@ -249,7 +271,7 @@ impl PressureSystem {
 
     /// Takes out of u* what its neighbours' linear fields do not explain: noise of the wave length of a cell. A linear
     /// field stays as it is, a potential flow nearly, and the momentum exactly.
-    fn smooth(&mut self, voronoi: &VoronoiParameters, time_step: f64) {
+    fn smooth(&mut self, voronoi: &VoronoiParameters, areas: &[f64], time_step: f64) {
         if voronoi.smoothing == 0.0 {
             return;
         }
@@ -266,7 +288,9 @@ impl PressureSystem {
                 let away = positions[j] - positions[i];
                 let unexplained = velocities[j] - velocities[i] - mean * away;
                 let rate = (strength * mean.norm()).min(0.05);
-                change += unexplained * (facet.weight().min(2.0) * rate);
+                // Of two particles the lighter changes more: what one gives the other gets.
+                let share = 2.0 * areas[j] / (areas[i] + areas[j]);
+                change += unexplained * (facet.weight().min(2.0) * rate * share);
             }
             velocities[i] + change
         });

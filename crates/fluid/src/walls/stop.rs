@@ -1,6 +1,6 @@
 //! What keeps particles in front of walls.
 
-use super::{PanelMotion, WallProximity, Walls};
+use super::{FIXED, PanelMotion, WallProximity, Walls};
 use crate::parallel::{CHUNK, Lists};
 use crate::problem::Problem;
 use crate::state::State;
@@ -19,18 +19,31 @@ pub struct Contact {
     pub least: f64,
     /// Particle spacing.
     pub spacing: f64,
+    /// Whether particles lose their closing velocity; without it they are only kept in front.
+    pub stops: bool,
+}
+
+/// What a moving panel took of the velocity of a particle.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Stop {
+    /// Change of the particle's velocity \[m/s\]; zero for one that touched none.
+    pub change: Vector2<f64>,
+    /// The panel.
+    pub panel: u32,
+    /// Where on it, as a share of its length.
+    pub fraction: f64,
 }
 
 impl Contact {
     /// Contact that takes away the closing velocity of particles nearer than a tenth of a spacing.
     pub fn inelastic(spacing: f64) -> Self {
         let least = 0.1 * spacing;
-        Self { reach: least, restitution: 0.0, least, spacing }
+        Self { reach: least, restitution: 0.0, least, spacing, stops: true }
     }
 }
 
 /// Keeps particles in front of walls as they stand at one instant; returns the number of contacts. `velocity_of` gives
-/// the velocity of a place on a moving panel.
+/// the velocity of a place on a moving panel; `stops` says afterwards what moving panels took of each particle's velocity.
 ///
 /// A particle nearer than half the collision distance (so that its image is a colliding neighbour) loses its
 /// approaching velocity as in a collision, and none comes nearer than a tenth of a spacing.
@@ -40,10 +53,13 @@ pub fn stop_at_walls(
     walls: &Walls,
     contact: &Contact,
     velocity_of: impl Fn(u32, f64) -> Vector2<f64> + Sync,
+    stops: &mut Vec<Stop>,
 ) -> usize {
-    let particles = positions.par_iter_mut().zip(velocities).with_min_len(CHUNK).enumerate();
-    let contacts = particles.map(|(i, (position, velocity))| {
+    stops.resize(positions.len(), Stop::default());
+    let particles = positions.par_iter_mut().zip(velocities).zip(stops).with_min_len(CHUNK).enumerate();
+    let contacts = particles.map(|(i, ((position, velocity), stop))| {
         let mut contacts = 0;
+        *stop = Stop::default();
         for entry in proximities.of(i) {
             // A strongly bent wall may have broken into other chains since the particle was attached.
             let Some(chain) = walls.chains.get(entry.chain as usize) else { continue };
@@ -64,8 +80,12 @@ pub fn stop_at_walls(
             let fraction = (along / segment.length).clamp(0.0, 1.0);
             let relative = *velocity - velocity_of(segment.panel, fraction);
             let closing = relative.dot(&segment.normal);
-            if closing > 0.0 {
-                *velocity -= segment.normal * ((1.0 + contact.restitution) * closing);
+            if closing > 0.0 && contact.stops {
+                let change = segment.normal * (-(1.0 + contact.restitution) * closing);
+                *velocity += change;
+                if segment.panel != FIXED {
+                    *stop = Stop { change: stop.change + change, panel: segment.panel, fraction };
+                }
             }
             if distance < contact.least {
                 *position -= segment.normal * (contact.least - distance);
@@ -81,6 +101,7 @@ pub fn stop_at_walls(
 pub struct EndWalls {
     walls: Walls,
     panels: PanelMotion,
+    stops: Vec<Stop>,
 }
 
 impl EndWalls {
@@ -97,11 +118,12 @@ impl EndWalls {
         let particles = (&mut state.positions[..], &mut state.velocities[..]);
         let bodies = &problem.geometry.bodies;
         if bodies.is_empty() {
-            return stop_at_walls(particles, proximities, walls, contact, |_, _| Vector2::zeros());
+            return stop_at_walls(particles, proximities, walls, contact, |_, _| Vector2::zeros(), &mut self.stops);
         }
         self.walls.place(&problem.layout, Some((bodies, &end.position)), problem.reach, problem.spacing);
         self.panels.set_start(&problem.layout.panels, bodies, end);
-        let panels = &self.panels;
-        stop_at_walls(particles, proximities, &self.walls, contact, |panel, fraction| panels.velocity(panel, fraction))
+        let Self { walls, panels, stops } = self;
+        let velocity_of = |panel, fraction| panels.velocity(panel, fraction);
+        stop_at_walls(particles, proximities, walls, contact, velocity_of, stops)
     }
 }
