@@ -167,6 +167,10 @@ fn missing_resources_matter_only_when_they_are_needed() {
         assert_eq!(slave.set_reals(&[SPACING], &[0.03]), Status::OK);
         assert_eq!(slave.initialise(0.0), Status::OK, "{:?}", slave.messages());
     }
+    // Packed for scenes, and without one of its own in its resources: it does not begin with another one.
+    let slave = fluid(&library);
+    assert_eq!(slave.enter(0.0), Status::ERROR);
+    says(&slave, &["the resources have no scene.toml"]);
     // What it was packed for stands in the resources.
     let messages = Slave::new(&library, &guid::<FluidComponent>(), None).err().unwrap();
     assert!(messages[0].contains("the importer gave no fmuResourceLocation"), "{messages:?}");
@@ -205,7 +209,8 @@ fn values_and_steps_that_cannot_be() {
 fn asynchronous_and_interpolating_functions_say_no() {
     let library = Library::load("structure_fmu").unwrap();
     let slave = structure(&library);
-    assert_eq!(slave.initialise(0.0), Status::OK);
+    assert_eq!(slave.set_text(SCENE, "free_decay"), Status::OK);
+    assert_eq!(slave.initialise(0.0), Status::OK, "{:?}", slave.messages());
     let (mut real, mut status, mut flag) = (0.0, Status::OK, 0);
     // SAFETY: a live handle, arrays of one.
     unsafe {
