@@ -7,10 +7,9 @@ mod table;
 use crate::interface::{LOAD_ACCELERATION, Matching, check_motion, coordinate, finite};
 use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
 use crate::{Error, Interface, LOAD, VELOCITY};
-use fluid::Observables;
+use fluid::{Gain, Observables};
 use fmi::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::Motion;
-use nalgebra::Vector2;
 use runtime::Runtime;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -184,9 +183,9 @@ impl FluidComponent {
         entry.map_or(0.0, |((row, state), (column, _))| state.added_mass[row * state.acceleration.len() + column])
     }
 
-    /// One of the impulses that changed the momentum \[N s/m\].
-    fn impulse(&self, index: usize) -> Vector2<f64> {
-        self.state.progress.as_ref().map_or_else(Vector2::zeros, |progress| progress.state.impulses.terms()[index])
+    /// One of the gains that changed momentum and energy.
+    fn gain(&self, index: usize) -> Gain {
+        self.state.progress.as_ref().map_or_else(Gain::default, |progress| progress.state.gains.terms()[index])
     }
 
     /// A figure of a place that the scene has; 0 for others and before initialisation.

@@ -1,6 +1,6 @@
 //! Quantities that people look at, from a state.
 
-use crate::balance::Impulses;
+use crate::balance::Gains;
 use crate::parameters::{Probe, Region};
 use crate::pressure_field::PressureField;
 use crate::problem::Problem;
@@ -44,8 +44,8 @@ pub struct Observables {
     pub particles: usize,
     /// Particles lost so far.
     pub lost: usize,
-    /// What changed the momentum so far.
-    pub impulses: Impulses,
+    /// What changed momentum, angular momentum and energy so far.
+    pub gains: Gains,
 }
 
 /// Distance in spacings within which a probe stands on a wall.
@@ -73,7 +73,7 @@ pub fn observe(problem: &Problem, state: &State, outline: &Outline, field: &Pres
         maximum_speed: state.velocities.iter().map(|velocity| velocity.norm()).fold(0.0, f64::max),
         particles: state.positions.len(),
         lost: state.lost,
-        impulses: state.impulses,
+        gains: state.gains,
     }
 }
 

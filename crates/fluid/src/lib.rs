@@ -35,7 +35,7 @@ mod time_step;
 mod voronoi;
 mod walls;
 
-pub use balance::Impulses;
+pub use balance::{Gain, Gains};
 pub use diagnostics::Observables;
 pub use error::Error;
 pub use linear::SolveParameters;

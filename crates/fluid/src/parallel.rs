@@ -39,7 +39,7 @@ pub fn all(count: usize, is: impl Fn(usize) -> bool + Sync) -> bool {
 }
 
 /// Replaces every value by `new(i, value)` in parallel.
-pub fn update(values: &mut [f64], new: impl Fn(usize, f64) -> f64 + Sync) {
+pub fn update<T: Copy + Send>(values: &mut [T], new: impl Fn(usize, T) -> T + Sync) {
     values.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(i, value)| *value = new(i, *value));
 }
 

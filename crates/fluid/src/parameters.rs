@@ -284,6 +284,12 @@ impl Parameters {
         self.gravity + self.shaking.acceleration(time)
     }
 
+    /// Potential energy per mass in gravity above the origin, and in the attraction \[m2/s2\].
+    #[inline]
+    pub fn potential(&self, place: &Vector2<f64>) -> f64 {
+        0.5 * self.attraction * place.norm_squared() - self.gravity.dot(place)
+    }
+
     /// Share of its velocity that water at a place keeps over `duration` \[s\].
     #[inline]
     pub fn kept_velocity(&self, place: &Vector2<f64>, duration: f64) -> f64 {

@@ -15,13 +15,18 @@ pub fn slow(state: &mut State, parameters: &Parameters, duration: f64) {
     moved.for_each(|(velocity, place)| *velocity *= parameters.kept_velocity(place, duration));
 }
 
+fn is_inside(point: &Vector2<f64>, low: &Vector2<f64>, high: &Vector2<f64>) -> bool {
+    point.x >= low.x && point.x <= high.x && point.y >= low.y && point.y <= high.y
+}
+
+/// Whether some particles left the domain.
+pub fn some_left(state: &State, low: &Vector2<f64>, high: &Vector2<f64>) -> bool {
+    !parallel::all(state.positions.len(), |i| is_inside(&state.positions[i], low, high))
+}
+
 /// Removes particles that left the domain and returns their number.
 pub fn remove_lost(state: &mut State, low: &Vector2<f64>, high: &Vector2<f64>) -> usize {
-    let inside = |point: &Vector2<f64>| point.x >= low.x && point.x <= high.x && point.y >= low.y && point.y <= high.y;
-    if parallel::all(state.positions.len(), |i| inside(&state.positions[i])) {
-        return 0;
-    }
-    let keep: Vec<bool> = state.positions.iter().map(inside).collect();
+    let keep: Vec<bool> = state.positions.iter().map(|point| is_inside(point, low, high)).collect();
     let before = keep.len();
     retain(&mut state.velocities, &keep);
     retain(&mut state.pressures, &keep);

@@ -1,7 +1,7 @@
 //! The solver: one communication step as internal steps of its discretisation.
 
 use crate::Error;
-use crate::balance::{self, Impulses};
+use crate::balance::{Gain, Gains};
 use crate::diagnostics::Observables;
 use crate::discretisation::Discretisation;
 use crate::grid::bounding_box;
@@ -44,7 +44,7 @@ pub struct Workspace {
     target: Motion,
     order: Order,
     /// Scratch of sums.
-    momenta: Vec<[f64; 2]>,
+    sums: Vec<[f64; 4]>,
 }
 
 /// The one place where schemes are told apart.
@@ -130,7 +130,7 @@ impl Solver {
             number_densities: vec![self.discretisation.full_density(); count],
             surface: vec![false; count],
             lost: 0,
-            impulses: Impulses::default(),
+            gains: Gains::default(),
         };
         Order::default().sort(&mut state, self.problem.spacing);
         state
@@ -143,7 +143,7 @@ impl Solver {
             candidate: None,
             target: self.at_rest(),
             order: Order::default(),
-            momenta: Vec::new(),
+            sums: Vec::new(),
         }
     }
 
@@ -251,15 +251,14 @@ impl Solver {
         workspace: &mut Workspace,
         report: &mut Report,
     ) -> Result<(), Error> {
-        let Workspace { discretisation, target, order, momenta, .. } = workspace;
+        let Workspace { discretisation, target, order, sums, .. } = workspace;
         discretisation.step(&self.problem, state, step, target, report)?;
         let mut watch = Watch::start();
         check::all_finite(state, discretisation.places())?;
-        let before = self.momentum(state, momenta);
-        let lost = particles::remove_lost(state, &self.domain.0, &self.domain.1);
-        if lost > 0 {
-            state.lost += lost;
-            state.impulses.lost += self.momentum(state, momenta) - before;
+        if particles::some_left(state, &self.domain.0, &self.domain.1) {
+            let before = Gain::of_water(&self.problem, state, sums);
+            state.lost += particles::remove_lost(state, &self.domain.0, &self.domain.1);
+            state.gains.lost += Gain::of_water(&self.problem, state, sums) - before;
         }
         state.motion.clone_from(target);
         state.time_step = step.length;
@@ -268,17 +267,13 @@ impl Solver {
             order.sort(state, self.problem.spacing);
         }
         if !self.problem.parameters.damping.is_empty() {
-            let before = self.momentum(state, momenta);
+            let before = Gain::of_water(&self.problem, state, sums);
             particles::slow(state, &self.problem.parameters, step.length);
-            state.impulses.damping += self.momentum(state, momenta) - before;
+            state.gains.damping += Gain::of_water(&self.problem, state, sums) - before;
         }
         watch.lap(&mut report.stages.other);
         report.substeps += 1;
         Ok(())
-    }
-
-    fn momentum(&self, state: &State, partial: &mut Vec<[f64; 2]>) -> Vector2<f64> {
-        balance::momentum(self.problem.parameters.density, &state.areas, &state.velocities, partial)
     }
 
     /// Limits of the next internal step from the state alone.

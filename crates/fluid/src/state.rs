@@ -1,6 +1,6 @@
 //! Everything that must survive a step.
 
-use crate::balance::Impulses;
+use crate::balance::Gains;
 use crate::parallel::CHUNK;
 use kinematics::Motion;
 use nalgebra::Vector2;
@@ -41,8 +41,8 @@ pub struct State {
     pub surface: Vec<bool>,
     /// Particles that left the domain and were removed.
     pub lost: usize,
-    /// What changed the momentum so far.
-    pub impulses: Impulses,
+    /// What changed momentum, angular momentum and energy so far.
+    pub gains: Gains,
 }
 
 /// What a step leaves of the rate of a cell's area, which the next one goes on from \[m2/s\].
@@ -74,7 +74,7 @@ impl Clone for State {
             number_densities: Vec::new(),
             surface: Vec::new(),
             lost: 0,
-            impulses: Impulses::default(),
+            gains: Gains::default(),
         };
         state.clone_from(self);
         state
@@ -83,7 +83,7 @@ impl Clone for State {
     /// Keeps the memory: every step begins with a copy.
     fn clone_from(&mut self, source: &Self) {
         (self.time, self.steps, self.time_step) = (source.time, source.steps, source.time_step);
-        (self.lost, self.impulses) = (source.lost, source.impulses);
+        (self.lost, self.gains) = (source.lost, source.gains);
         self.motion.clone_from(&source.motion);
         self.load.clone_from(&source.load);
         self.acceleration.clone_from(&source.acceleration);

@@ -21,8 +21,18 @@ const MOMENTS: usize = 4;
 pub const MOST_MARKERS: usize = 60;
 /// Variables, by how their names go on after the participant, that a run without a choice of its own plots only when a
 /// check asks for them: book-keeping, and figures of special scenes.
-const ASIDE: [&str; 9] =
-    ["particles.", "solver.", "time_step.", "momentum.", "extent.", "farthest", "angular_momentum", "area", "impulse."];
+const ASIDE: [&str; 10] = [
+    "particles.",
+    "solver.",
+    "time_step.",
+    "momentum.",
+    "extent.",
+    "farthest",
+    "angular_momentum",
+    "area",
+    "impulse.",
+    "work.",
+];
 
 /// What was drawn of a run.
 #[derive(Debug, Default)]

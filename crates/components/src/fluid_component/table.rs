@@ -4,7 +4,7 @@ use super::FluidComponent;
 use crate::interface::{ANSWER, GAUGE, LOADS, MOTIONS, PROBE, REGION, added_masses, family};
 use crate::parameters::{output_rows, scene_rows};
 use crate::{Interface, quantities};
-use fluid::{Impulses, Observables};
+use fluid::{Gains, Observables};
 use fmi::{DefaultExperiment, Model, Reference, Variable};
 
 type Row = Variable<FluidComponent>;
@@ -22,7 +22,7 @@ pub(super) fn model(interface: &Interface) -> Model<FluidComponent> {
     variables.extend(places(interface));
     variables.extend(figures());
     variables.extend(shape());
-    variables.extend(impulses());
+    variables.extend(gains());
     variables.extend(numbers());
     variables.extend(stages());
     Model {
@@ -175,20 +175,30 @@ fn shape() -> Vec<Row> {
     ]
 }
 
-/// What changed the momentum of the water since the start: together all of it.
-fn impulses() -> Vec<Row> {
+/// What changed momentum, angular momentum and energy of the water since the start: together all of it.
+fn gains() -> Vec<Row> {
     let rows = |(index, (name, what)): (usize, &(&str, &str))| {
         let reference = 420 + 2 * index as Reference;
+        let reference_of = |first: Reference, index: usize| first + index as Reference;
         let meaning = |axis: &str| format!("impulse that the water was given along {axis} since the start: {what}");
         let x = Row::real(reference, format!("impulse.{name}.x"), meaning("X"), "Momentum", |this, index| {
-            this.impulse(index).x
+            this.gain(index).impulse.x
         });
         let y = Row::real(reference + 1, format!("impulse.{name}.y"), meaning("Y"), "Momentum", |this, index| {
-            this.impulse(index).y
+            this.gain(index).impulse.y
         });
-        [x.at(index), y.at(index)]
+        let meaning = format!("angular momentum about the origin that the water was given since the start: {what}");
+        let name_angular = format!("impulse.{name}.angular");
+        let angular = Row::real(reference_of(440, index), name_angular, meaning, "AngularMomentum", |this, index| {
+            this.gain(index).angular
+        });
+        let meaning = format!("energy that the water was given since the start: {what}");
+        let work = Row::real(reference_of(460, index), format!("work.{name}"), meaning, "Energy", |this, index| {
+            this.gain(index).energy
+        });
+        [x.at(index), y.at(index), angular.at(index), work.at(index)]
     };
-    Impulses::NAMES.iter().enumerate().flat_map(rows).collect()
+    Gains::NAMES.iter().enumerate().flat_map(rows).collect()
 }
 
 /// Counts and what the solver said of the last step.

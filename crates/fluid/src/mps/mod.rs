@@ -22,7 +22,7 @@ pub mod operators;
 mod system;
 
 use crate::Error;
-use crate::balance::{Momenta, force_of_load};
+use crate::balance::{Gain, Tally};
 use crate::diagnostics::{self, Observables};
 use crate::discretisation::Discretisation;
 use crate::grid::Grid;
@@ -75,7 +75,9 @@ pub struct Mps {
     end_walls: EndWalls,
     /// Cells in which particles are looked for around a place.
     grid: Grid,
-    momenta: Momenta,
+    balance: Tally,
+    loads: Vec<f64>,
+    partial: Vec<[f64; 4]>,
 }
 
 impl Mps {
@@ -100,7 +102,9 @@ impl Mps {
             frozen_end: Motion::at_rest(0),
             end_walls: EndWalls::default(),
             grid: Grid::default(),
-            momenta: Momenta::default(),
+            balance: Tally::default(),
+            loads: Vec::new(),
+            partial: Vec::new(),
         }
     }
 
@@ -169,15 +173,16 @@ impl Mps {
     }
 }
 
-/// Sum of the body forces \[N/m\].
-fn forces(problem: &Problem, state: &State, time: f64, partial: &mut Vec<[f64; 2]>) -> Vector2<f64> {
+/// What the body forces give per time; energy only of those without a potential.
+fn forces(problem: &Problem, state: &State, time: f64, partial: &mut Vec<[f64; 4]>) -> Gain {
     let parameters = &problem.parameters;
+    let shaking = parameters.uniform_force(time) - parameters.gravity;
     let term = |i: usize| {
-        let force = parameters.body_force(&state.positions[i], time) * state.areas[i];
-        [force.x, force.y]
+        let (place, force) = (&state.positions[i], parameters.body_force(&state.positions[i], time));
+        let power = shaking.dot(&state.velocities[i]);
+        [force.x, force.y, place.perp(&force), power].map(|value| value * state.areas[i])
     };
-    let [x, y] = parallel::sums(state.positions.len(), partial, term);
-    Vector2::new(x, y) * parameters.density
+    Gain::from_sums(parameters.density, parallel::sums(state.positions.len(), partial, term))
 }
 
 impl Discretisation for Mps {
@@ -227,27 +232,31 @@ impl Discretisation for Mps {
         self.set_wall_acceleration(problem, end, step.length);
         self.solve(problem, state, report)?;
         let mut watch = Watch::start();
-        let Self { method, system, vectors, momenta, .. } = self;
-        momenta.since(problem, &state.areas, &state.velocities);
-        let forces = forces(problem, state, system.time, &mut momenta.partial) * step.length;
+        let Self { method, system, vectors, balance, partial, .. } = self;
+        balance.since(problem, state);
+        let forces = forces(problem, state, system.time, partial) * step.length;
         correct::correct(state, system, problem, method, step.length, vectors);
-        state.impulses.forces += forces;
-        state.impulses.projection += momenta.since(problem, &state.areas, &state.velocities) - forces;
+        state.gains.forces += forces;
+        state.gains.projection += balance.since(problem, state) - forces;
         correct::shift(state, system, problem, method, step.length, vectors);
-        state.impulses.shifting += momenta.since(problem, &state.areas, &state.velocities);
+        state.gains.shifting += balance.since(problem, state);
         correct::collide(state, system, problem, method, vectors);
         correct::separate(state, system, problem, vectors);
         let (reach, restitution) = (0.5 * method.parameters.collision_distance, method.parameters.restitution);
         let contact = Contact { reach: reach * problem.spacing, restitution, ..Contact::inelastic(problem.spacing) };
         let near = (&system.proximities, &system.walls);
         report.contacts += self.end_walls.keep_in_front(problem, state, end, near, &contact);
-        state.impulses.contacts += self.momenta.since(problem, &state.areas, &state.velocities);
+        state.gains.contacts += self.balance.since(problem, state);
         watch.lap(&mut report.stages.gradient);
-        let before = force_of_load(problem, &state.load);
+        self.loads.clone_from(&state.load);
         self.add_load(problem, state, step.share);
-        let bodies = (before - force_of_load(problem, &state.load)) * (step.length / step.share);
-        state.impulses.bodies += bodies;
-        state.impulses.projection -= bodies;
+        let duration = step.length / step.share;
+        self.loads.iter_mut().zip(&state.load).for_each(|(load, now)| *load = (now - *load) * duration);
+        let rates = state.motion.velocity.iter().zip(end.velocity.iter()).map(|(a, b)| 0.5 * (a + b));
+        let place = &self.system.extrapolated.position;
+        let given = Gain::of_bodies(&problem.geometry.bodies, &self.loads, place, rates);
+        state.gains.bodies += -given;
+        state.gains.projection += given;
         for (value, density) in state.number_densities.iter_mut().zip(&self.system.densities) {
             *value = density.number_density;
         }

@@ -61,7 +61,7 @@ impl Solver {
             usable(name, list.iter())?;
         }
         usable("time, time_step", [state.time, state.time_step].iter())?;
-        usable("impulses, X and Y in turn", state.impulses.terms().iter().flat_map(|term| term.iter()))?;
+        usable("gains", state.gains.terms().iter().flat_map(|gain| gain.numbers()).collect::<Vec<_>>().iter())?;
         if state.time_step < 0.0 {
             return refuse("time_step", state.time_step, "at least 0 s");
         }

@@ -1,75 +1,148 @@
-//! The impulses of one step of the scheme `voronoi`: how far the pressure on walls and bodies is what the water loses.
+//! What the stages of one step of the scheme `voronoi` give the water.
+//!
+//! The energy that a change w of the velocity gives is taken as w.(u_0 + u_1) / 2 per mass, with the velocities u_0 and u_1 at
+//! the start and the end of the step: so all changes together give the change of u^2 / 2, and gravity exactly what the way
+//! through the step takes from the potential energy.
 
 use super::system::PressureSystem;
-use crate::balance::{Momenta, force_of_load};
+use crate::balance::Gain;
 use crate::parallel;
 use crate::problem::Problem;
 use crate::state::State;
-use crate::walls::FIXED;
+use crate::time_step::TimeStep;
+use kinematics::Motion;
 use nalgebra::Vector2;
 
-/// The impulses of a step, stage by stage.
+/// Sums of the gains of a step, stage by stage.
 #[derive(Debug, Default)]
 pub struct Balance {
-    momenta: Momenta,
+    four: Vec<[f64; 4]>,
+    three: Vec<[f64; 3]>,
+    all: Vec<[f64; 16]>,
+    load: Vec<f64>,
+}
+
+/// Momentum, angular momentum and energy per mass of a change of velocity at a place.
+fn change(place: &Vector2<f64>, change: Vector2<f64>, mean: &Vector2<f64>) -> [f64; 4] {
+    [change.x, change.y, place.perp(&change), change.dot(mean)]
 }
 
 impl Balance {
-    /// Contacts on the way to the middle of the step, forces, and smoothing; before the pressure acts on the velocities.
-    pub fn predicted(&mut self, problem: &Problem, state: &mut State, system: &PressureSystem, smoothed: bool) {
-        self.momenta.since(problem, &state.areas, &state.velocities);
-        if system.contacts > 0 {
-            let all = self.momenta.since(problem, &state.areas, &system.before);
-            let bodies = -force_of_load(problem, &system.stopped);
-            state.impulses.bodies += bodies;
-            state.impulses.walls += all - bodies;
-        }
-        if smoothed {
-            state.impulses.forces += self.momenta.since(problem, &state.areas, &system.smoothed);
-            state.impulses.smoothing += self.momenta.since(problem, &state.areas, &system.velocities);
-        } else {
-            state.impulses.forces += self.momenta.since(problem, &state.areas, &system.velocities);
-        }
-    }
-
-    /// The pressure, with the force of this step on the bodies \[N/m\].
-    pub fn kicked(
+    /// Particles stopped on the way to the middle of the step; before anything of `state` is changed.
+    pub fn stopped(
         &mut self,
         problem: &Problem,
         state: &mut State,
         system: &PressureSystem,
-        on_bodies: Vector2<f64>,
+        end: &Motion,
         time_step: f64,
     ) {
-        let on_walls = system.force_on_fixed_walls(problem, &state.pressures, &mut self.momenta.partial);
-        let (walls, bodies) = (-on_walls * time_step, -on_bodies * time_step);
-        state.impulses.walls += walls;
-        state.impulses.bodies += bodies;
-        state.impulses.projection += self.momenta.since(problem, &state.areas, &state.velocities) - walls - bodies;
+        if system.contacts == 0 {
+            return;
+        }
+        let (parameters, half) = (&problem.parameters, 0.5 * time_step);
+        let term = |i: usize| {
+            let (from, to) = (&state.positions[i], &system.positions[i]);
+            let (before, after) = (&state.velocities[i], &system.before[i]);
+            let kinetic = 0.5 * (after.norm_squared() - before.norm_squared());
+            let potential = parameters.potential(&(to - after * half)) - parameters.potential(from);
+            let change = after - before;
+            let angular = to.perp(after) - from.perp(before);
+            [change.x, change.y, angular, kinetic + potential].map(|value| value * state.areas[i])
+        };
+        let sums = parallel::sums(state.positions.len(), &mut self.four, term);
+        let all = Gain::from_sums(parameters.density, sums);
+        let bodies = -of_bodies(problem, state, system, end, &system.stopped);
+        state.gains.bodies += bodies;
+        state.gains.walls += all - bodies;
     }
 
-    /// The shift.
-    pub fn shifted(&mut self, problem: &Problem, state: &mut State) {
-        state.impulses.shifting += self.momenta.since(problem, &state.areas, &state.velocities);
+    /// Everything from the middle of the step on; after particles and velocities were shifted, with the `changes` of velocity
+    /// that this made, and before the particles move on. `load` is that of this step.
+    pub fn moved(
+        &mut self,
+        problem: &Problem,
+        state: &mut State,
+        system: &PressureSystem,
+        end: &Motion,
+        changes: &[Vector2<f64>],
+        step: TimeStep,
+    ) {
+        let dt = step.length;
+        let (force, moment) = system.force_on_fixed_walls(problem, &state.pressures, &mut self.three);
+        let walls = Gain { impulse: force, angular: moment, energy: 0.0 } * -dt;
+        self.load.clear();
+        self.load.resize(problem.coordinates(), 0.0);
+        system.add_body_load(problem, &state.pressures, dt, &mut self.load);
+        let bodies = -of_bodies(problem, state, system, end, &self.load);
+        let [forces, smoothing, pressure, shifting] = self.stages(problem, state, system, changes, dt);
+        let gains = &mut state.gains;
+        gains.forces += forces;
+        gains.walls += walls;
+        gains.bodies += bodies;
+        // What the shift gave of momentum was taken back together with what the pressure left unpaid.
+        let returned = Gain { impulse: shifting.impulse, ..Gain::default() };
+        gains.projection += pressure + returned - walls - bodies;
+        gains.smoothing += smoothing;
+        gains.shifting += shifting - returned;
+    }
+
+    /// Forces, smoothing, pressure and shift.
+    fn stages(
+        &mut self,
+        problem: &Problem,
+        state: &State,
+        system: &PressureSystem,
+        changes: &[Vector2<f64>],
+        dt: f64,
+    ) -> [Gain; 4] {
+        let (parameters, half) = (&problem.parameters, 0.5 * dt);
+        let smoothed = system.smoothed.len() == state.positions.len();
+        let term = |i: usize| {
+            let (middle, place) = (&system.positions[i], &state.positions[i]);
+            let (first, last) = (&system.before[i], &state.velocities[i]);
+            let mean = (first + last) * 0.5;
+            let forced = system.forces[i] * dt;
+            let predicted = first + forced;
+            let way = parameters.potential(middle) - parameters.potential(&(middle - first * half))
+                + parameters.potential(&(place + last * half))
+                - parameters.potential(place);
+            let mut forces = change(middle, forced, &mean);
+            forces[3] += way;
+            let smoothing = if smoothed { system.velocities[i] - predicted } else { Vector2::zeros() };
+            let kicked = last - changes[i];
+            let shifting = [
+                changes[i].x,
+                changes[i].y,
+                place.perp(last) - middle.perp(&kicked),
+                changes[i].dot(&mean) + parameters.potential(place) - parameters.potential(middle),
+            ];
+            let smoothing = change(middle, smoothing, &mean);
+            let pressure = change(middle, kicked - system.velocities[i], &mean);
+            let mut terms = [0.0; 16];
+            let all = forces.into_iter().chain(smoothing).chain(pressure).chain(shifting);
+            terms.iter_mut().zip(all).for_each(|(term, value)| *term = value * state.areas[i]);
+            terms
+        };
+        let sums = parallel::sums(state.positions.len(), &mut self.all, term);
+        std::array::from_fn(|k| Gain::from_sums(parameters.density, std::array::from_fn(|n| sums[4 * k + n])))
+    }
+
+    /// Particles that were moved in front of walls at the end of the step, by these ways.
+    pub fn kept_in_front(&mut self, problem: &Problem, state: &mut State, way: impl Fn(usize) -> Vector2<f64> + Sync) {
+        let parameters = &problem.parameters;
+        let term = |i: usize| {
+            let (place, way) = (&state.positions[i], way(i));
+            let potential = parameters.potential(place) - parameters.potential(&(place - way));
+            [0.0, 0.0, way.perp(&state.velocities[i]), potential].map(|value| value * state.areas[i])
+        };
+        let sums = parallel::sums(state.positions.len(), &mut self.four, term);
+        state.gains.walls += Gain::from_sums(parameters.density, sums);
     }
 }
 
-impl PressureSystem {
-    /// Force of the pressure on the fixed walls, without facets that close a cell where no wall is \[N/m\].
-    fn force_on_fixed_walls(&self, problem: &Problem, pressures: &[f64], partial: &mut Vec<[f64; 2]>) -> Vector2<f64> {
-        let term = |i: usize| {
-            let force = self.forces[i] * problem.parameters.density;
-            let walls = self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.is_closure);
-            let sum: Vector2<f64> = walls
-                .map(|wall| {
-                    let facet = &wall.facet;
-                    let pressure = pressures[i] + force.dot(&facet.normal) * facet.height;
-                    facet.normal * (facet.length() * pressure)
-                })
-                .sum();
-            [sum.x, sum.y]
-        };
-        let [x, y] = parallel::sums(pressures.len(), partial, term);
-        Vector2::new(x, y)
-    }
+/// What an impulse of a step gives the bodies, which move with the mean of their rates at its ends.
+fn of_bodies(problem: &Problem, state: &State, system: &PressureSystem, end: &Motion, impulse: &[f64]) -> Gain {
+    let rates = state.motion.velocity.iter().zip(end.velocity.iter()).map(|(first, last)| 0.5 * (first + last));
+    Gain::of_bodies(&problem.geometry.bodies, impulse, &system.middle.position, rates)
 }

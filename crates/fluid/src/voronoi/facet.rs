@@ -89,6 +89,17 @@ impl Facet {
         [empty[0].then_some(self.from), empty[1].then_some(self.to)]
     }
 
+    /// Places along the facet where the free surface ends it, each with how far it does.
+    pub fn surface_shares(&self) -> impl Iterator<Item = (f64, f64)> {
+        [self.from, self.to].into_iter().zip(self.empty.map(|share| f64::from(share) / EMPTY))
+    }
+
+    /// Part of the integral of the place along the facet over it, from its foot \[m2\]: length times the mean place.
+    #[inline]
+    pub fn moment_along(&self) -> f64 {
+        0.5 * (self.to * self.to - self.from * self.from)
+    }
+
     /// Ends the facet where the free surface crosses it, `depth` outside the foot, by as much as its ends lie in empty
     /// space. Between two particles that part, with empty space at both ends, it vanishes.
     pub fn end_at(&mut self, depth: f64, spacing: f64) {

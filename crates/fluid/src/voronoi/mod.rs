@@ -10,6 +10,7 @@ mod neighbour_lanes;
 mod operators;
 pub mod outline;
 mod polygon;
+mod reaction;
 mod relax;
 mod shape;
 mod shifting;
@@ -18,6 +19,7 @@ mod stages;
 mod system;
 mod tessellate;
 mod unit_pressures;
+mod unpaid;
 mod wall_clip;
 
 #[cfg(test)]
@@ -26,7 +28,6 @@ mod verification;
 pub use stages::Stages;
 
 use crate::Error;
-use crate::balance::force_of_load;
 use crate::diagnostics::{self, Observables};
 use crate::discretisation::{Discretisation, mean_acceleration};
 use crate::grid::Grid;
@@ -42,8 +43,10 @@ use balance::Balance;
 use kinematics::Motion;
 use nalgebra::{DVector, Vector2};
 use outline::Outline;
+use shifting::Shift;
 use std::any::Any;
 use system::PressureSystem;
+use unpaid::Unpaid;
 
 /// Distance in spacings at which walls count at the end of a step, and where water is looked at.
 const REACH: f64 = 3.1;
@@ -60,7 +63,8 @@ pub struct Voronoi {
     solution: Vec<f64>,
     /// Generalised acceleration over the step beyond the one that pressures were prepared for.
     acceleration_increment: DVector<f64>,
-    displacements: Vec<Vector2<f64>>,
+    shift: Shift,
+    unpaid: Unpaid,
     end_walls: EndWalls,
     balance: Balance,
 }
@@ -83,7 +87,8 @@ impl Voronoi {
             right_side: Vec::new(),
             solution: Vec::new(),
             acceleration_increment: DVector::zeros(0),
-            displacements: Vec::new(),
+            shift: Shift::default(),
+            unpaid: Unpaid::default(),
             end_walls: EndWalls::default(),
             balance: Balance::default(),
         }
@@ -105,6 +110,7 @@ impl Voronoi {
         let mut watch = Watch::start();
         self.solution.clone_from(&state.pressures);
         report.responses = problem.geometry.active.len();
+        kinematics::copy(&state.motion.acceleration, &mut self.system.expected);
         if report.responses > 0 {
             if fresh {
                 self.prepare_unit_pressures(problem, state, report)?;
@@ -118,6 +124,13 @@ impl Voronoi {
         self.solve_for_walls(problem, state.time, report)?;
         self.level_compartments(problem);
         state.pressures.copy_from_slice(&self.solution);
+        if report.responses == 0 {
+            self.system.find_steady_load(problem, &self.solution);
+        } else if fresh {
+            let base = std::mem::take(&mut self.system.base);
+            self.system.find_steady_load(problem, &base);
+            self.system.base = base;
+        }
         watch.lap(&mut report.stages.solve);
         Ok(())
     }
@@ -205,23 +218,26 @@ impl Discretisation for Voronoi {
     ) -> Result<(), Error> {
         self.solve(problem, state, step, end, report)?;
         let mut watch = Watch::start();
-        let Self { system, parameters, displacements, balance, .. } = self;
-        balance.predicted(problem, state, system, parameters.smoothing > 0.0);
-        let before = force_of_load(problem, &state.load);
-        correct::add_body_load(state, system, problem, step.share);
-        let on_bodies = (force_of_load(problem, &state.load) - before) / step.share;
+        let Self { system, parameters, shift, unpaid, balance, .. } = self;
+        balance.stopped(problem, state, system, end, step.length);
+        system.add_body_load(problem, &state.pressures, step.share, &mut state.load);
         correct::add_stopped(state, system, step);
         correct::add_added_mass(state, system, step.share);
         correct::kick(state, system, problem, step.length);
-        balance.kicked(problem, state, system, on_bodies, step.length);
+        shift.plan(&state.areas, system, problem, parameters, step.length);
+        unpaid.take_back(state, system, problem, &shift.changes, step.length);
         system.record_rates(&mut state.area_rates, &state.velocities, &end.velocity);
-        shifting::shift(state, system, problem, parameters, step.length, displacements);
-        balance.shifted(problem, state);
+        shift.apply(state, system, problem.spacing, unpaid.taken(), step.length);
+        balance.moved(problem, state, system, end, &shift.changes, step);
         correct::drift(&mut state.positions, &state.velocities, 0.5 * step.length);
         let near = (&system.proximities, &system.walls);
         // What closes on a wall loses its velocity on the way to the middle of the next step, where the wall gets it.
         let contact = Contact { stops: false, ..Contact::inelastic(problem.spacing) };
-        report.contacts += system.contacts + self.end_walls.keep_in_front(problem, state, end, near, &contact);
+        let kept = self.end_walls.keep_in_front(problem, state, end, near, &contact);
+        if kept > 0 {
+            balance.kept_in_front(problem, state, |i| self.end_walls.stops[i].way);
+        }
+        report.contacts += system.contacts + kept;
         watch.lap(&mut report.stages.gradient);
         correct::record(state, &self.system);
         watch.lap(&mut report.stages.other);
@@ -249,7 +265,7 @@ impl Discretisation for Voronoi {
             Err(Error::Pressure { .. }) if !free => return Ok(()),
             solved => solved?,
         }
-        correct::add_body_load(&mut scratch, &self.system, problem, 1.0);
+        self.system.add_body_load(problem, &scratch.pressures, 1.0, &mut scratch.load);
         state.load = scratch.load;
         state.pressures = scratch.pressures;
         state.acceleration.copy_from_slice(state.motion.acceleration.as_slice());

@@ -13,49 +13,74 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// Distance in spacings below which particles crowd each other.
 const CROWDED: f64 = 0.9;
 
-/// Keeps particles well spread: towards the centroids of their cells, away from crowding ones, and to where there is
-/// more room. On the free surface they move along it only. Velocities move along the velocity field, and everything is
-/// in proportion to how much the water deforms in the step: a lattice in smooth flow is hardly touched.
-pub fn shift(
-    state: &mut State,
-    system: &PressureSystem,
-    problem: &Problem,
-    voronoi: &VoronoiParameters,
-    time_step: f64,
-    scratch: &mut Vec<Vector2<f64>>,
-) {
-    scratch.resize(state.positions.len(), Vector2::zeros());
-    let cells = &system.cells.cells;
-    let areas = &state.areas;
-    let close = AtomicBool::new(false);
-    parallel::fill(scratch, |i| {
-        let cell = &cells[i];
-        if system.cells.facets.of(i).iter().any(|facet| facet.height < TOO_CLOSE * problem.spacing) {
-            close.store(true, Relaxed);
+/// A shift of all particles.
+#[derive(Debug, Default)]
+pub struct Shift {
+    ways: Vec<Vector2<f64>>,
+    /// Changes of the velocities, which follow \[m/s\].
+    pub changes: Vec<Vector2<f64>>,
+    some_are_close: bool,
+}
+
+impl Shift {
+    /// Keeps particles well spread: towards the centroids of their cells, away from crowding ones, and to where there is
+    /// more room. On the free surface they move along it only. Velocities move along the velocity field, and everything is
+    /// in proportion to how much the water deforms in the step: a lattice in smooth flow is hardly touched.
+    pub fn plan(
+        &mut self,
+        areas: &[f64],
+        system: &PressureSystem,
+        problem: &Problem,
+        voronoi: &VoronoiParameters,
+        time_step: f64,
+    ) {
+        let cells = &system.cells.cells;
+        let close = AtomicBool::new(false);
+        self.ways.resize(areas.len(), Vector2::zeros());
+        self.changes.resize(areas.len(), Vector2::zeros());
+        parallel::fill(&mut self.ways, |i| {
+            let cell = &cells[i];
+            if system.cells.facets.of(i).iter().any(|facet| facet.height < TOO_CLOSE * problem.spacing) {
+                close.store(true, Relaxed);
+            }
+            if cell.trust() == 0.0 {
+                return Vector2::zeros();
+            }
+            let deformation = system.gradients[i].norm() * time_step;
+            let share = |strength: f64, most: f64| (strength * deformation).min(most);
+            let mut way = cell.centroid * share(voronoi.shifting, 0.5);
+            way += away_from_crowds(system, i, problem.spacing) * share(voronoi.repulsion, 0.1);
+            way += towards_room(system, areas, i, problem.spacing) * share(voronoi.spreading, 0.25);
+            if cell.is_open() {
+                let normal = cell.outward.try_normalize(0.0).unwrap_or_default();
+                let along = (way - normal * way.dot(&normal)) * cell.flatness();
+                way = way * (1.0 - cell.openness) + along * cell.openness;
+            }
+            way
+        });
+        self.some_are_close = close.into_inner();
+        let ways = &self.ways;
+        parallel::fill(&mut self.changes, |i| change_along(system, i, &ways[i]));
+    }
+
+    /// Shifts particles and velocities. What was `taken` back of a velocity still moves the particle through the step: it
+    /// belongs to the velocities without divergence that the pressure left.
+    pub fn apply(
+        &mut self,
+        state: &mut State,
+        system: &PressureSystem,
+        spacing: f64,
+        taken: &[Vector2<f64>],
+        time_step: f64,
+    ) {
+        let moved = state.positions.par_iter_mut().zip(&mut state.velocities).with_min_len(CHUNK).enumerate();
+        moved.for_each(|(i, (position, velocity))| {
+            *position += self.ways[i] + taken[i] * time_step;
+            *velocity += self.changes[i];
+        });
+        if self.some_are_close {
+            part_pairs(state, system, spacing, &mut self.ways);
         }
-        if cell.trust() == 0.0 {
-            return Vector2::zeros();
-        }
-        let deformation = system.gradients[i].norm() * time_step;
-        let share = |strength: f64, most: f64| (strength * deformation).min(most);
-        let mut way = cell.centroid * share(voronoi.shifting, 0.5);
-        way += away_from_crowds(system, i, problem.spacing) * share(voronoi.repulsion, 0.1);
-        way += towards_room(system, areas, i, problem.spacing) * share(voronoi.spreading, 0.25);
-        if cell.is_open() {
-            let normal = cell.outward.try_normalize(0.0).unwrap_or_default();
-            let along = (way - normal * way.dot(&normal)) * cell.flatness();
-            way = way * (1.0 - cell.openness) + along * cell.openness;
-        }
-        way
-    });
-    let moved =
-        state.positions.par_iter_mut().zip(&mut state.velocities).zip(&*scratch).with_min_len(CHUNK).enumerate();
-    moved.for_each(|(i, ((position, velocity), way))| {
-        *position += way;
-        *velocity += change_along(system, i, way);
-    });
-    if close.into_inner() {
-        part_pairs(state, system, problem.spacing, scratch);
     }
 }
 

@@ -1,13 +1,14 @@
 //! The stages of a step one by one, for timing them by themselves.
 
+use super::shifting::Shift;
 use super::system::PressureSystem;
-use super::{Voronoi, correct, shifting};
+use super::unpaid::Unpaid;
+use super::{Voronoi, correct};
 use crate::linear::ConjugateGradient;
 use crate::parameters::VoronoiParameters;
 use crate::solver::Solver;
 use crate::state::State;
 use crate::time_step::TimeStep;
-use nalgebra::Vector2;
 
 /// A state of the scheme `voronoi` and the stages of the step that begins there.
 pub struct Stages<'a> {
@@ -18,7 +19,8 @@ pub struct Stages<'a> {
     system: PressureSystem,
     conjugate_gradient: ConjugateGradient<1>,
     solution: Vec<f64>,
-    displacements: Vec<Vector2<f64>>,
+    shift: Shift,
+    unpaid: Unpaid,
 }
 
 impl<'a> Stages<'a> {
@@ -34,7 +36,8 @@ impl<'a> Stages<'a> {
             system: PressureSystem::default(),
             conjugate_gradient: ConjugateGradient::default(),
             solution: Vec::new(),
-            displacements: Vec::new(),
+            shift: Shift::default(),
+            unpaid: Unpaid::default(),
         };
         stages.cells();
         stages.assembly();
@@ -66,12 +69,14 @@ impl<'a> Stages<'a> {
 
     /// Pressure gradient, motion and shifting of the particles.
     pub fn gradient(&mut self) {
-        let Self { solver, parameters, state, system, step, displacements, .. } = self;
+        let Self { solver, parameters, state, system, step, shift, unpaid, .. } = self;
         let mut moved = state.clone();
         let problem = &solver.problem;
         solver.pool.install(|| {
             correct::kick(&mut moved, system, problem, step.length);
-            shifting::shift(&mut moved, system, problem, parameters, step.length, displacements);
+            shift.plan(&moved.areas, system, problem, parameters, step.length);
+            unpaid.take_back(&mut moved, system, problem, &shift.changes, step.length);
+            shift.apply(&mut moved, system, problem.spacing, unpaid.taken(), step.length);
             correct::drift(&mut moved.positions, &moved.velocities, 0.5 * step.length);
         });
     }

@@ -15,7 +15,7 @@ use crate::state::State;
 use crate::time_step::TimeStep;
 use crate::walls::PanelMotion;
 use crate::walls::stop::{self, Contact, Stop};
-use crate::walls::{FIXED, WallProximity, Walls};
+use crate::walls::{WallProximity, Walls};
 use kinematics::{Motion, SurfacePoint};
 use nalgebra::{DVector, Matrix2, Vector2};
 
@@ -47,6 +47,10 @@ pub struct PressureSystem {
     pub rates: DVector<f64>,
     /// Mean accelerations of the body's coordinates over the step.
     pub accelerations: DVector<f64>,
+    /// The same as expected before the step.
+    pub expected: DVector<f64>,
+    /// What the step puts on the bodies' coordinates whatever their accelerations \[N/m, N m/m, modal\].
+    pub steady_load: Vec<f64>,
     /// Walls near each particle.
     pub proximities: Lists<WallProximity>,
     /// Cells in the middle of the step.
@@ -93,6 +97,8 @@ impl Default for PressureSystem {
             before: Vec::new(),
             rates: DVector::zeros(0),
             accelerations: DVector::zeros(0),
+            expected: DVector::zeros(0),
+            steady_load: Vec::new(),
             proximities: Lists::default(),
             cells: Cells::default(),
             forces: Vec::new(),
@@ -296,28 +302,6 @@ impl PressureSystem {
         });
         std::mem::swap(&mut self.velocities, &mut smoothed);
         self.smoothed = smoothed;
-    }
-
-    /// Sum over the wall facets of cell i of their pressure slope times length and arm: what walls add to G p \[N/m\].
-    pub fn wall_difference(&self, problem: &Problem, i: usize) -> Vector2<f64> {
-        if self.cells.is_isolated(i) {
-            return Vector2::zeros();
-        }
-        let force = self.forces[i] * problem.parameters.density;
-        let fixed = self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED);
-        let fixed = fixed.map(|wall| wall.facet.middle() * (wall.facet.length() * force.dot(&wall.facet.normal)));
-        let moving = self.unit_pressures.of(i).map(|(moving, work)| {
-            let facet = &moving.wall.facet;
-            facet.middle() * (facet.length() * self.wall_slope(problem, moving, work))
-        });
-        fixed.sum::<Vector2<f64>>() + moving.sum::<Vector2<f64>>()
-    }
-
-    /// Normal pressure gradient on a moving facet \[Pa/m\], with the wall's mean acceleration over the step.
-    pub fn wall_slope(&self, problem: &Problem, moving: &MovingFacet, work: &[f64]) -> f64 {
-        let acceleration = UnitPressures::normal_rate(work, &self.accelerations);
-        let force = self.forces[moving.particle as usize].dot(&moving.wall.facet.normal);
-        problem.parameters.density * (force - acceleration)
     }
 
     /// The part of the right side that the accelerations of walls add for particle i \[Pa\].

@@ -23,7 +23,7 @@ pub struct Contact {
     pub stops: bool,
 }
 
-/// What a moving panel took of the velocity of a particle.
+/// What a moving panel took of the velocity of a particle, and how far any wall moved it.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Stop {
     /// Change of the particle's velocity \[m/s\]; zero for one that touched none.
@@ -32,6 +32,8 @@ pub struct Stop {
     pub panel: u32,
     /// Where on it, as a share of its length.
     pub fraction: f64,
+    /// How far the particle was moved in front of walls \[m\].
+    pub way: Vector2<f64>,
 }
 
 impl Contact {
@@ -84,11 +86,13 @@ pub fn stop_at_walls(
                 let change = segment.normal * (-(1.0 + contact.restitution) * closing);
                 *velocity += change;
                 if segment.panel != FIXED {
-                    *stop = Stop { change: stop.change + change, panel: segment.panel, fraction };
+                    *stop = Stop { change: stop.change + change, panel: segment.panel, fraction, ..*stop };
                 }
             }
             if distance < contact.least {
-                *position -= segment.normal * (contact.least - distance);
+                let way = segment.normal * (distance - contact.least);
+                *position += way;
+                stop.way += way;
             }
         }
         contacts
@@ -101,7 +105,8 @@ pub fn stop_at_walls(
 pub struct EndWalls {
     walls: Walls,
     panels: PanelMotion,
-    stops: Vec<Stop>,
+    /// What walls did to each particle.
+    pub stops: Vec<Stop>,
 }
 
 impl EndWalls {
