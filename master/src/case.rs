@@ -36,6 +36,12 @@ pub struct Case {
     /// Outputs left out of the results, `fmu.variable`.
     #[serde(default)]
     pub exclude: Vec<String>,
+    /// Outputs of which results have the mean since the last row, `fmu.variable`: each value stands for its step.
+    #[serde(default)]
+    pub means: Vec<String>,
+    /// Outputs of which results have the largest value since the last row, `fmu.variable`.
+    #[serde(default)]
+    pub maxima: Vec<String>,
     /// Names for plots, by `fmu.variable`.
     #[serde(default)]
     pub labels: BTreeMap<String, String>,
@@ -116,6 +122,11 @@ pub struct Connection {
 pub use scene::Error;
 
 impl Case {
+    /// What of the outputs is recorded, and how.
+    pub fn recorded(&self) -> crate::record::Choice<'_> {
+        crate::record::Choice { exclude: &self.exclude, means: &self.means, maxima: &self.maxima }
+    }
+
     /// Reads a case file, applies overrides (key path, TOML value) and validates. Paths of FMUs become relative to
     /// the working directory.
     pub fn from_file(path: &Path, overrides: &[(String, String)]) -> Result<Self, Error> {

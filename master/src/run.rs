@@ -168,7 +168,7 @@ impl Run {
         Ok(Self {
             stepper: Stepper::new(parameters, &system)?,
             iterations: IterationWriter::create(&folder.join(ITERATIONS), &system.iterated_names())?,
-            results: ResultWriter::create(&folder.join(RESULTS), &system, &case.exclude, grid)?,
+            results: ResultWriter::create(&folder.join(RESULTS), &system, case.recorded(), grid)?,
             step_limit: case.step_limit(),
             counts: IterationCounts::default(),
             stages: Stages::default(),
@@ -206,7 +206,7 @@ impl Run {
         Ok(Self {
             stepper,
             iterations: IterationWriter::resume(&folder.join(ITERATIONS), from.iterations)?,
-            results: ResultWriter::resume(&folder.join(RESULTS), &system, &case.exclude, grid, from.results)?,
+            results: ResultWriter::resume(&folder.join(RESULTS), &system, case.recorded(), grid, from.results)?,
             step_limit: case.step_limit(),
             counts: from.counts,
             stages: from.stages,
@@ -319,6 +319,7 @@ impl Run {
     fn record(&mut self) -> Result<(), Error> {
         let clock = self.stepper.clock();
         let start = Instant::now();
+        self.results.gather(&mut self.system, clock.time())?;
         if clock.point().is_some() {
             self.results.record(&mut self.system, clock.time(), clock.finished())?;
             self.iterations.check()?;

@@ -54,6 +54,8 @@ pub fn case(scene: &Scene, overrides: &[(String, String)], threads: Option<usize
         coupling: coupling(scene),
         step_limit,
         exclude: excluded(scene, &freedoms),
+        means: means(scene),
+        maxima: maxima(scene),
         labels: labels(scene),
         watch: scene.watch.clone(),
         reference: Some(Reference::of(scene)),
@@ -152,6 +154,20 @@ fn excluded(scene: &Scene, freedoms: &[Coordinate]) -> Vec<String> {
         }
     }
     names
+}
+
+/// Pressures and loads are impulses over time.
+fn means(scene: &Scene) -> Vec<String> {
+    let interface = Interface::of(scene);
+    let layout = interface.layout();
+    let loads = layout.coordinates().map(|coordinate| interface.load(coordinate));
+    let pressures = interface.probes.iter().map(|probe| Interface::pressure(probe));
+    pressures.chain(loads).map(|name| format!("{FLUID}.{name}")).collect()
+}
+
+fn maxima(scene: &Scene) -> Vec<String> {
+    let largest = Interface::of(scene).largest;
+    largest.iter().map(|probe| format!("{FLUID}.{}", Interface::largest(probe))).collect()
 }
 
 /// What reports call the variables of places: as the scene does.

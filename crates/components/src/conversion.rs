@@ -200,7 +200,12 @@ fn carrier(scene: &Scene, name: Option<&String>) -> Option<usize> {
 
 fn probes(scene: &Scene, probe: &scene::Probe) -> impl Iterator<Item = fluid::Probe> {
     let on_body = carrier(scene, probe.on_body.as_ref());
-    vectors(&probe.points()).into_iter().map(move |place| fluid::Probe { place, on_body })
+    vectors(&probe.points()).into_iter().map(move |place| fluid::Probe {
+        place,
+        on_body,
+        size: probe.size,
+        threshold: probe.threshold.unwrap_or(f64::INFINITY),
+    })
 }
 
 fn region(scene: &Scene, region: &scene::Region) -> fluid::Region {

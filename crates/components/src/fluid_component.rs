@@ -7,7 +7,7 @@ mod table;
 use crate::interface::{LOAD_ACCELERATION, Matching, check_motion, coordinate, finite};
 use crate::parameters::{HasSceneParameters, SceneParameters, same_model};
 use crate::{Error, Interface, LOAD, VELOCITY};
-use fluid::{Gain, Observables};
+use fluid::{Gain, Observables, Sensor};
 use fmi::{Component, Experiment, Failure, Logger, Model, Reference, Setup};
 use kinematics::Motion;
 use runtime::Runtime;
@@ -186,6 +186,14 @@ impl FluidComponent {
     /// One of the gains that changed momentum and energy.
     fn gain(&self, index: usize) -> Gain {
         self.state.progress.as_ref().map_or_else(Gain::default, |progress| progress.state.gains.terms()[index])
+    }
+
+    /// What a sensor that the scene has read; zeros for others and before initialisation.
+    fn sensor(&self, matching: fn(&Matching) -> &[Option<usize>], index: usize) -> Sensor {
+        let index = self.runtime.as_ref().and_then(|runtime| matching(&runtime.matching)[index]);
+        let sensors = self.state.progress.as_ref().map(|progress| &progress.state.sensors);
+        let found = index.zip(sensors).and_then(|(index, sensors)| sensors.get(index));
+        found.copied().unwrap_or_default()
     }
 
     /// A figure of a place that the scene has; 0 for others and before initialisation.

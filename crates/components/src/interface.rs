@@ -28,6 +28,10 @@ pub const LOAD: Reference = 4_000_000;
 pub const LOAD_ACCELERATION: Reference = 5_000_000;
 /// Reference of the first pressure.
 pub const PROBE: Reference = 6_000_000;
+/// References of the first largest pressure and of the first impulse.
+pub const LARGEST: Reference = 6_300_000;
+/// See [`LARGEST`].
+pub const IMPULSE: Reference = 6_600_000;
 /// Reference of the first mass of water in a region.
 pub const REGION: Reference = 7_000_000;
 /// Reference of the first water level.
@@ -51,6 +55,12 @@ pub struct Interface {
     /// Pressure probes, point by point.
     #[serde(default)]
     pub probes: Vec<String>,
+    /// Those of them that give their largest pressure, too.
+    #[serde(default)]
+    pub largest: Vec<String>,
+    /// Those of them that give an impulse beyond a threshold.
+    #[serde(default)]
+    pub impulses: Vec<String>,
     /// Regions.
     #[serde(default)]
     pub regions: Vec<String>,
@@ -92,9 +102,14 @@ impl Interface {
             name: identifier(&body.name),
             members: body.member.iter().map(member).collect(),
         };
-        let labels = fluid().flat_map(|fluid| &fluid.probe).flat_map(scene::Probe::labels);
+        let labels = |wanted: fn(&scene::Probe) -> bool| {
+            let probes = fluid().flat_map(|fluid| &fluid.probe).filter(move |probe| wanted(probe));
+            probes.flat_map(scene::Probe::labels).map(|label| identifier(&label)).collect()
+        };
         Self {
-            probes: labels.map(|label| identifier(&label)).collect(),
+            probes: labels(|_| true),
+            largest: labels(|probe| probe.largest),
+            impulses: labels(|probe| probe.threshold.is_some()),
             regions: fluid().flat_map(|fluid| &fluid.region).map(|region| identifier(&region.name)).collect(),
             gauges: fluid().flat_map(|fluid| &fluid.gauge).map(|gauge| identifier(&gauge.name)).collect(),
             bodies: scene.body.iter().map(body).collect(),
@@ -193,9 +208,19 @@ impl Interface {
         format!("body.{}.{}.youngs_modulus", body.name, member.name)
     }
 
-    /// Name of the pressure at a point.
+    /// Name of the mean pressure at a probe.
     pub fn pressure(probe: &str) -> String {
         format!("probe.{probe}.pressure")
+    }
+
+    /// Name of the largest pressure at a probe.
+    pub fn largest(probe: &str) -> String {
+        format!("probe.{probe}.largest")
+    }
+
+    /// Name of the impulse of the pressure beyond the threshold at a probe.
+    pub fn impulse(probe: &str) -> String {
+        format!("probe.{probe}.impulse")
     }
 
     /// Name of the mass of water in a region.

@@ -3,7 +3,7 @@
 use fmi::{SimpleType, Unit};
 
 /// Name, exponents of kg, m, s, rad. Units of modal quantities have square roots and thus no exponents.
-const UNITS: [(&str, Option<[i8; 4]>); 23] = [
+const UNITS: [(&str, Option<[i8; 4]>); 24] = [
     ("m", Some([0, 1, 0, 0])),
     ("m/s", Some([0, 1, -1, 0])),
     ("m/s2", Some([0, 1, -2, 0])),
@@ -17,6 +17,7 @@ const UNITS: [(&str, Option<[i8; 4]>); 23] = [
     ("N.m/m", Some([1, 1, -2, 0])),
     ("N/(m.sqrt(kg/m))", None),
     ("Pa", Some([1, -1, -2, 0])),
+    ("Pa.s", Some([1, -1, -1, 0])),
     ("kg/m", Some([1, -1, 0, 0])),
     ("J/m", Some([1, 1, -2, 0])),
     ("N.s/m", Some([1, 0, -1, 0])),
@@ -30,7 +31,7 @@ const UNITS: [(&str, Option<[i8; 4]>); 23] = [
 ];
 
 /// Name, quantity, unit, meaning. Mechanical quantities are per metre of width.
-const TYPES: [(&str, &str, &str, &str); 25] = [
+const TYPES: [(&str, &str, &str, &str); 26] = [
     ("Displacement", "Length", "m", "displacement from the pose in the scene"),
     ("Velocity", "Velocity", "m/s", "velocity"),
     ("Acceleration", "Acceleration", "m/s2", "acceleration"),
@@ -44,6 +45,7 @@ const TYPES: [(&str, &str, &str, &str); 25] = [
     ("Moment", "MomentPerWidth", "N.m/m", "moment per metre of width about the centre of gravity of the rigid part"),
     ("ModalLoad", "ModalLoad", "N/(m.sqrt(kg/m))", "load on a modal coordinate per metre of width"),
     ("Pressure", "Pressure", "Pa", "pressure or modulus"),
+    ("PressureImpulse", "PressureImpulse", "Pa.s", "impulse of a pressure per area"),
     ("Mass", "MassPerWidth", "kg/m", "mass per metre of width"),
     ("Energy", "EnergyPerWidth", "J/m", "energy per metre of width"),
     ("Momentum", "MomentumPerWidth", "N.s/m", "momentum per metre of width"),

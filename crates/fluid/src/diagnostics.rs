@@ -1,9 +1,9 @@
 //! Quantities that people look at, from a state.
 
 use crate::balance::Gains;
-use crate::parameters::{Probe, Region};
-use crate::pressure_field::PressureField;
+use crate::parameters::Region;
 use crate::problem::Problem;
+use crate::sensors::stands;
 use crate::setup::fill::contains;
 use crate::state::State;
 use crate::voronoi::outline::Outline;
@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 /// Quantities of one state.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Observables {
-    /// Pressures at the probes \[Pa\].
+    /// Pressures at the probes, means over the last communication step \[Pa\].
     pub probes: Vec<f64>,
     /// Water in each region \[kg/m\].
     pub region_masses: Vec<f64>,
@@ -48,16 +48,13 @@ pub struct Observables {
     pub gains: Gains,
 }
 
-/// Distance in spacings within which a probe stands on a wall.
-const ON_WALL: f64 = 0.25;
-
 /// Computes the quantities of `state`, those of its outline from that: the front is its farthest point, the force on the
-/// walls that on its cells. Probes are read in `field`, the pressures of the state.
-pub fn observe(problem: &Problem, state: &State, outline: &Outline, field: &PressureField) -> Observables {
+/// walls that on its cells.
+pub fn observe(problem: &Problem, state: &State, outline: &Outline) -> Observables {
     let (extent, farthest) = outline.extent();
     let Sums { kinetic_energy, potential_energy, momentum, centre, angular_momentum } = sums(problem, state);
     Observables {
-        probes: problem.geometry.probes.iter().map(|probe| read(problem, state, field, probe)).collect(),
+        probes: state.sensors.iter().map(|sensor| sensor.mean).collect(),
         region_masses: problem.geometry.regions.iter().map(|region| weigh(problem, state, region)).collect(),
         wall_force: outline.fixed_wall_force(),
         front: extent[1].x,
@@ -103,28 +100,10 @@ fn sums(problem: &Problem, state: &State) -> Sums {
     }
 }
 
-/// Where a place of the scene's pose is now.
-fn stands(problem: &Problem, state: &State, place: &Vector2<f64>, on_body: Option<usize>) -> Vector2<f64> {
-    on_body.map_or(*place, |body| problem.geometry.bodies.carry(body, place, &state.motion.position))
-}
-
-/// Pressure at a probe \[Pa\].
-fn read(problem: &Problem, state: &State, field: &PressureField, probe: &Probe) -> f64 {
-    let place = stands(problem, state, &probe.place, probe.on_body);
-    // A place on a wall is there only up to rounding, on the body up to its deflection.
-    let front = field.walls.in_front(&place, ON_WALL * problem.spacing);
-    let pressure = field.at_point(&front);
-    // Where there is no water there is no slope either.
-    if front == place || pressure == 0.0 {
-        return pressure;
-    }
-    let slope = problem.parameters.body_force(&place, field.time) * problem.parameters.density;
-    pressure + slope.dot(&(place - front))
-}
-
 /// Water in a region \[kg/m\].
 fn weigh(problem: &Problem, state: &State, region: &Region) -> f64 {
-    let polygon: Vec<_> = region.polygon.iter().map(|corner| stands(problem, state, corner, region.on_body)).collect();
+    let polygon: Vec<_> =
+        region.polygon.iter().map(|corner| stands(problem, corner, region.on_body, &state.motion.position)).collect();
     let inside = (0..state.positions.len()).filter(|&i| contains(&polygon, &state.positions[i]));
     // The sum of nothing is -0.
     0.0 + inside.map(|i| problem.parameters.density * state.areas[i]).sum::<f64>()

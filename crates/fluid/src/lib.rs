@@ -28,6 +28,7 @@ mod particles;
 mod pressure_field;
 mod problem;
 mod report;
+mod sensors;
 mod setup;
 mod solver;
 mod state;
@@ -46,6 +47,7 @@ pub use parameters::{
     VoronoiParameters,
 };
 pub use report::{Report, StageTimes};
+pub use sensors::Sensor;
 pub use setup::places::{Instrument, Misplaced};
 pub use solver::{SUGGESTED_SHARE, Solver, Workspace};
 pub use state::{AreaRate, State};

@@ -177,11 +177,15 @@ pub struct Probe {
     pub place: Vector2<f64>,
     /// The body that it moves with, by its index; none for the scene.
     pub on_body: Option<usize>,
+    /// Length of the patch on a wall over which the pressure is averaged \[m\]; 0 for one spacing.
+    pub size: f64,
+    /// Pressure beyond which its impulse is added up \[Pa\]; infinite for none.
+    pub threshold: f64,
 }
 
 impl From<Vector2<f64>> for Probe {
     fn from(place: Vector2<f64>) -> Self {
-        Self { place, on_body: None }
+        Self { place, on_body: None, size: 0.0, threshold: f64::INFINITY }
     }
 }
 

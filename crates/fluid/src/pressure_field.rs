@@ -8,7 +8,7 @@ use crate::walls::Walls;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Radius of the averages at walls and probes, in particle spacings.
-const REACH: f64 = 2.1;
+pub const REACH: f64 = 2.1;
 
 /// Fewest particles that a plane is fitted to.
 const FEWEST: usize = 5;
@@ -18,8 +18,10 @@ const FLATTEST: f64 = 1e-3;
 /// The water as pressures at points.
 #[derive(Clone, Copy)]
 pub struct PressureField<'a> {
-    /// Cells of the particles, at least `REACH` spacings wide.
+    /// Cells of the particles, of which `rings` around one are at least `REACH` spacings wide.
     pub grid: &'a Grid,
+    /// See `grid`.
+    pub rings: i64,
     /// Positions \[m\].
     pub positions: &'a [Vector2<f64>],
     /// Pressures \[Pa\].
@@ -39,6 +41,7 @@ impl<'a> PressureField<'a> {
     pub fn of(problem: &'a Problem, state: &'a State, grid: &'a Grid, walls: &'a Walls) -> Self {
         Self {
             grid,
+            rings: 1,
             positions: &state.positions,
             pressures: &state.pressures,
             parameters: &problem.parameters,
@@ -68,7 +71,7 @@ impl PressureField<'_> {
         let mut count = 0;
         let squared_reach = (REACH * self.spacing).powi(2);
         let near_wall = !self.walls.candidates(point).is_empty();
-        self.grid.for_each_near(point, |j| {
+        self.grid.for_each_within(point, self.rings, |j| {
             let away = self.positions[j] - point;
             let squared = away.norm_squared();
             if squared >= squared_reach || (near_wall && self.walls.separates(point, &self.positions[j])) {
@@ -96,7 +99,7 @@ impl PressureField<'_> {
         let squared_reach = (REACH * self.spacing).powi(2);
         let near_wall = !self.walls.candidates(point).is_empty();
         let (mut weights, mut sum) = (0.0, 0.0);
-        self.grid.for_each_near(point, |j| {
+        self.grid.for_each_within(point, self.rings, |j| {
             let position = &self.positions[j];
             let squared = (position - point).norm_squared();
             if squared >= squared_reach || (near_wall && self.walls.separates(point, position)) {

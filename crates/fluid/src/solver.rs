@@ -13,6 +13,7 @@ use crate::parameters::{Geometry, Parameters, Scheme};
 use crate::particles;
 use crate::problem::Problem;
 use crate::report::{Report, Watch};
+use crate::sensors::Sensor;
 use crate::setup::{check, fill};
 use crate::state::{AreaRate, State};
 use crate::time_step::{Limits, TimeStep, next_step};
@@ -130,6 +131,7 @@ impl Solver {
             number_densities: vec![self.discretisation.full_density(); count],
             surface: vec![false; count],
             lost: 0,
+            sensors: vec![Sensor::default(); self.problem.geometry.probes.len()],
             gains: Gains::default(),
         };
         Order::default().sort(&mut state, self.problem.spacing);
@@ -223,6 +225,7 @@ impl Solver {
         let mut report = Report::default();
         candidate.load.fill(0.0);
         candidate.added_mass.fill(0.0);
+        candidate.sensors.iter_mut().for_each(Sensor::begin);
         let mut done = 0.0;
         while done < duration {
             let now = self.limits_now(candidate);

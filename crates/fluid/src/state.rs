@@ -2,6 +2,7 @@
 
 use crate::balance::Gains;
 use crate::parallel::CHUNK;
+use crate::sensors::Sensor;
 use kinematics::Motion;
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -41,6 +42,8 @@ pub struct State {
     pub surface: Vec<bool>,
     /// Particles that left the domain and were removed.
     pub lost: usize,
+    /// What the pressure probes read.
+    pub sensors: Vec<Sensor>,
     /// What changed momentum, angular momentum and energy so far.
     pub gains: Gains,
 }
@@ -74,6 +77,7 @@ impl Clone for State {
             number_densities: Vec::new(),
             surface: Vec::new(),
             lost: 0,
+            sensors: Vec::new(),
             gains: Gains::default(),
         };
         state.clone_from(self);
@@ -84,6 +88,7 @@ impl Clone for State {
     fn clone_from(&mut self, source: &Self) {
         (self.time, self.steps, self.time_step) = (source.time, source.steps, source.time_step);
         (self.lost, self.gains) = (source.lost, source.gains);
+        self.sensors.clone_from(&source.sensors);
         self.motion.clone_from(&source.motion);
         self.load.clone_from(&source.load);
         self.acceleration.clone_from(&source.acceleration);

@@ -30,7 +30,7 @@ fn two_boxes() -> Geometry {
         fixed_walls: vec![tank(2.0, 1.0)],
         bodies: BodySet::new(vec![afloat(0.7), afloat(1.3)]),
         active: (0..6).collect(),
-        probes: vec![Probe { place: Vector2::new(1.3, 0.4), on_body: Some(1) }],
+        probes: vec![Probe { on_body: Some(1), ..Vector2::new(1.3, 0.4).into() }],
         ..Geometry::default()
     }
 }

@@ -21,7 +21,7 @@ fn wedge(degrees: f64, spacing: f64, tolerance: f64, seed: u64) -> Solver {
         walls: vec![points(&[(0.0, 0.0), (-half, height), (half, height), (0.0, 0.0)])],
         members: Vec::new(),
     };
-    let probe = Probe { place: Vector2::new(0.1, tip + 0.1 * height / half), on_body: Some(0) };
+    let probe = Probe { on_body: Some(0), ..Vector2::new(0.1, tip + 0.1 * height / half).into() };
     let geometry = Geometry {
         water: vec![rectangle(-3.0, 0.0, 3.0, 2.0)],
         fixed_walls: vec![points(&[(-3.0, 4.0), (-3.0, 0.0), (3.0, 0.0), (3.0, 4.0)])],

@@ -164,7 +164,8 @@ fn nothing_passes_a_swinging_plate_of_any_thickness() {
 }
 
 fn swing_a_plate(scheme: &Scheme, thickness: f64) {
-    let on_face = |side: f64, y: f64| Probe { place: Vector2::new(0.2 + side * 0.5 * thickness, y), on_body: Some(0) };
+    let on_face =
+        |side: f64, y: f64| Probe { on_body: Some(0), ..Vector2::new(0.2 + side * 0.5 * thickness, y).into() };
     let probes = [1.0, -1.0].iter().flat_map(|&side| [0.01, 0.02, 0.03].map(|y| on_face(side, y))).collect();
     let geometry = Geometry { probes, ..with_water_at_the_plate(thickness) };
     let solver = Solver::new(parameters(scheme.clone(), 0.004, 1e-6, 2), geometry).unwrap();

@@ -26,6 +26,16 @@ pub struct Probe {
     /// Name of the body that it moves with, from its place at the start on; missing: it stays where it is.
     #[serde(default)]
     pub on_body: Option<String>,
+    /// Length of the patch on a wall over which the pressure is averaged \[m\]; 0 for one spacing. Readings are means over the
+    /// interval of records.
+    #[serde(default)]
+    pub size: f64,
+    /// Whether the largest pressure within the interval is recorded beside the mean.
+    #[serde(default)]
+    pub largest: bool,
+    /// Pressure beyond which the impulse since the start is recorded \[Pa\].
+    #[serde(default)]
+    pub threshold: Option<f64>,
 }
 
 impl Probe {

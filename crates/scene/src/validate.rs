@@ -285,6 +285,10 @@ fn validate_probe(check: &Checker, index: usize, probe: &Probe) -> Result<(), Er
     for (field, point) in [("point", probe.point), ("from", probe.from), ("to", probe.to)] {
         check.point(&key(field), point.unwrap_or_default())?;
     }
+    check.within(&key("size"), probe.size, 0.0, 1e9)?;
+    if let Some(threshold) = probe.threshold {
+        check.within(&key("threshold"), threshold, -1e12, 1e12)?;
+    }
     match (probe.point, probe.from, probe.to) {
         (None, Some(_), Some(_)) => check.within(&key("count"), probe.count as f64, 1.0, MOST_PROBE_POINTS),
         (Some(_), None, None) => check.within(&key("count"), probe.count as f64, 0.0, 1.0),

@@ -1,11 +1,12 @@
 //! What a run writes while it goes: tables of results and iterations.
 
+mod interval;
 mod iterations;
 mod results;
 
 pub use iterations::{IterationCounts, IterationWriter};
 pub use report::record::*;
-pub use results::{Grid, ResultMark, ResultWriter, STAGE, recorded};
+pub use results::{Choice, Grid, ResultMark, ResultWriter, STAGE, recorded};
 
 use std::fs::{File, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};

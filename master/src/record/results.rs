@@ -1,5 +1,6 @@
 //! results.csv: one row per recorded time, one column per output, units in the header.
 
+use super::interval::{Interval, Memory};
 use super::{Column, Error, Series};
 use coupling::System;
 use coupling::participant::{Causality, Description, Kind, Variable};
@@ -11,11 +12,13 @@ use std::path::{Path, PathBuf};
 pub const STAGE: &str = "stage.";
 
 /// How far a table of results was written.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResultMark {
     bytes: u64,
     /// Number of the next row that is due.
     next: u64,
+    /// What was gathered for it.
+    gathered: Memory,
 }
 
 /// The times at which rows are due: `start` + n `interval` \[s\]; with an interval of 0, every communication point.
@@ -49,45 +52,53 @@ pub struct ResultWriter {
     /// Start of the run and distance of the rows \[s\].
     grid: Grid,
     next: u64,
+    interval: Interval,
     series: Series,
 }
 
+/// What of the outputs is recorded, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Choice<'a> {
+    /// Outputs that are left out.
+    pub exclude: &'a [String],
+    /// Those of which the mean since the last row is recorded.
+    pub means: &'a [String],
+    /// Those of which the largest value since the last row is recorded.
+    pub maxima: &'a [String],
+}
+
 impl ResultWriter {
-    /// Opens the table for all numeric outputs of the system but those in `exclude` and stage times.
-    pub fn create(path: &Path, system: &System, exclude: &[String], grid: Grid) -> Result<Self, Error> {
+    /// Opens the table for all numeric outputs of the system but those left out and stage times.
+    pub fn create(path: &Path, system: &System, choice: Choice, grid: Grid) -> Result<Self, Error> {
         let file = File::create(path).map_err(|error| Error::new(path, error))?;
-        let mut writer = Self::over(file, path, system, exclude, grid);
+        let mut writer = Self::over(file, path, system, choice, grid);
         writer.header()?;
         Ok(writer)
     }
 
     /// Goes on with a table after its first `mark` bytes, which must be whole rows.
-    pub fn resume(
-        path: &Path,
-        system: &System,
-        exclude: &[String],
-        grid: Grid,
-        mark: ResultMark,
-    ) -> Result<Self, Error> {
+    pub fn resume(path: &Path, system: &System, choice: Choice, grid: Grid, mark: ResultMark) -> Result<Self, Error> {
         let file = super::reopen(path, mark.bytes)?;
-        let mut writer = Self::over(file, path, system, exclude, grid);
+        let mut writer = Self::over(file, path, system, choice, grid);
         let written = Series::read(path)?;
         for (row, &time) in written.times.iter().enumerate() {
             let values: Vec<f64> = written.columns.iter().map(|column| column.values[row]).collect();
             writer.series.push(time, &values);
         }
         writer.next = mark.next;
+        writer.interval.memory = mark.gathered;
         Ok(writer)
     }
 
     /// Where the table stands; all rows are on the disk.
     pub fn mark(&self) -> Result<ResultMark, Error> {
         let bytes = super::settled(&self.file, &self.path)?;
-        Ok(ResultMark { bytes, next: self.next })
+        Ok(ResultMark { bytes, next: self.next, gathered: self.interval.memory.clone() })
     }
 
-    fn over(file: File, path: &Path, system: &System, exclude: &[String], grid: Grid) -> Self {
-        let recorded = recorded(system, exclude);
+    fn over(file: File, path: &Path, system: &System, choice: Choice, grid: Grid) -> Self {
+        let recorded = recorded(system, choice.exclude);
+        let interval = Interval::new(&recorded, choice.means, choice.maxima, grid.start);
         let column = |(name, variable): &(String, Variable)| Column {
             name: name.clone(),
             unit: variable.unit.clone(),
@@ -97,7 +108,7 @@ impl ResultWriter {
         let variables =
             recorded.into_iter().map(|part| part.into_iter().map(|(_, variable)| variable).collect()).collect();
         let series = Series { times: Vec::new(), columns };
-        Self { path: path.to_path_buf(), file, variables, grid, next: 0, series }
+        Self { path: path.to_path_buf(), file, variables, grid, next: 0, interval, series }
     }
 
     fn header(&mut self) -> Result<(), Error> {
@@ -110,6 +121,11 @@ impl ResultWriter {
         super::write_row(&mut self.file, line).map_err(|error| Error::new(&self.path, error))
     }
 
+    /// Takes what stands for the time since the last call into means and largest values.
+    pub fn gather(&mut self, system: &mut System, time: f64) -> Result<(), coupling::Error> {
+        self.interval.gather(system, time)
+    }
+
     /// Records the outputs at `time` \[s\] when a row is due or `force` is set.
     pub fn record(&mut self, system: &mut System, time: f64, force: bool) -> Result<(), crate::run::Error> {
         if !(self.grid.due(self.next, time) || force) || self.series.times.last() == Some(&time) {
@@ -118,7 +134,8 @@ impl ResultWriter {
         if self.grid.interval > 0.0 {
             self.next = self.grid.passed(time) + 1;
         }
-        let values = read(system, &self.variables, time)?;
+        let mut values = read(system, &self.variables, time)?;
+        self.interval.close(&mut values);
         self.series.push(time, &values);
         let line = std::iter::once(&time).chain(&values).map(|value| number(*value)).collect::<Vec<_>>().join(",");
         Ok(self.line(&line)?)

@@ -1,7 +1,7 @@
 //! The fluid's table of variables.
 
 use super::FluidComponent;
-use crate::interface::{ANSWER, GAUGE, LOADS, MOTIONS, PROBE, REGION, added_masses, family};
+use crate::interface::{ANSWER, GAUGE, IMPULSE, LARGEST, LOADS, MOTIONS, PROBE, REGION, added_masses, family};
 use crate::parameters::{output_rows, scene_rows};
 use crate::{Interface, quantities};
 use fluid::{Gains, Observables};
@@ -93,8 +93,23 @@ fn figure(this: &FluidComponent, read: impl Fn(&Observables) -> f64) -> f64 {
 fn places(interface: &Interface) -> Vec<Row> {
     let probe = |(index, name): (usize, &String)| {
         let reference = PROBE + index as Reference;
-        Row::real(reference, Interface::pressure(name), "pressure at a probe point", "Pressure", |this, index| {
-            this.figure_at(|matching| &matching.probes, |seen| &seen.probes, index)
+        let meaning = "pressure at a probe, mean over its patch and the last step";
+        Row::real(reference, Interface::pressure(name), meaning, "Pressure", |this, index| {
+            this.sensor(|matching| &matching.probes, index).mean
+        })
+        .at(index)
+    };
+    let largest = |(index, name): (usize, &String)| {
+        let meaning = "largest pressure at a probe within the last step, mean over its patch";
+        Row::real(LARGEST + index as Reference, Interface::largest(name), meaning, "Pressure", |this, index| {
+            this.sensor(|matching| &matching.largest, index).largest
+        })
+        .at(index)
+    };
+    let impulse = |(index, name): (usize, &String)| {
+        let meaning = "impulse per area of the pressure at a probe beyond its threshold, since the start";
+        Row::real(IMPULSE + index as Reference, Interface::impulse(name), meaning, "PressureImpulse", |this, index| {
+            this.sensor(|matching| &matching.impulses, index).impulse
         })
         .at(index)
     };
@@ -114,6 +129,8 @@ fn places(interface: &Interface) -> Vec<Row> {
     };
     let probes = interface.probes.iter().enumerate().map(probe);
     let regions = interface.regions.iter().enumerate().map(region);
+    let probes = probes.chain(interface.largest.iter().enumerate().map(largest));
+    let probes = probes.chain(interface.impulses.iter().enumerate().map(impulse));
     probes.chain(regions).chain(interface.gauges.iter().enumerate().map(gauge)).collect()
 }
 

@@ -13,6 +13,10 @@ pub struct Matching {
     pub members: Vec<Option<usize>>,
     /// Pressure probes.
     pub probes: Vec<Option<usize>>,
+    /// Of those that give their largest pressure, too, the index among all probes of the scene.
+    pub largest: Vec<Option<usize>>,
+    /// The same of those that give an impulse.
+    pub impulses: Vec<Option<usize>>,
     /// Regions.
     pub regions: Vec<Option<usize>>,
     /// Level gauges.
@@ -37,10 +41,19 @@ impl Matching {
         let named = |names: &[String], name: fn(&str) -> String| names.iter().map(|own| name(own)).collect::<Vec<_>>();
         let pair = |names: fn(&Interface) -> &[String], name| (named(names(fmu), name), named(names(scene), name));
         let matched = |(fmu, scene): (Vec<String>, Vec<String>)| matched(&fmu, &scene);
+        let among_probes = |indices: Vec<Option<usize>>, names: &[String]| -> Vec<Option<usize>> {
+            let probe = |index: usize| scene.probes.iter().position(|probe| *probe == names[index]);
+            indices.into_iter().map(|index| index.and_then(probe)).collect()
+        };
         Ok(Self {
             coordinates: matched((coordinates(fmu), coordinates(scene)))?,
             members: matched((members(fmu), members(scene)))?,
             probes: matched(pair(|interface| &interface.probes, Interface::pressure))?,
+            largest: among_probes(matched(pair(|interface| &interface.largest, Interface::largest))?, &scene.largest),
+            impulses: among_probes(
+                matched(pair(|interface| &interface.impulses, Interface::impulse))?,
+                &scene.impulses,
+            ),
             regions: matched(pair(|interface| &interface.regions, Interface::mass))?,
             gauges: matched(pair(|interface| &interface.gauges, Interface::level))?,
         })

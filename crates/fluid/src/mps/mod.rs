@@ -32,6 +32,7 @@ use crate::parameters::MpsParameters;
 use crate::pressure_field::PressureField;
 use crate::problem::Problem;
 use crate::report::{Report, Watch};
+use crate::sensors;
 use crate::state::State;
 use crate::time_step::{Stability, TimeStep};
 use crate::voronoi::outline::Outline;
@@ -143,15 +144,16 @@ impl Mps {
         Ok(())
     }
 
-    /// Adds this internal step's share of the mean load.
-    fn add_load(&self, problem: &Problem, state: &mut State, share: f64) {
+    /// Adds this internal step's share of the mean load, and the readings of sensors.
+    fn add_load(&self, problem: &Problem, state: &mut State, step: TimeStep) {
         let bodies = &problem.geometry.bodies;
-        if bodies.is_empty() {
+        if bodies.is_empty() && problem.geometry.probes.is_empty() {
             return;
         }
         let system = &self.system;
         let field = PressureField {
             grid: &system.around.grid,
+            rings: 1,
             positions: &system.positions,
             pressures: &state.pressures,
             parameters: &problem.parameters,
@@ -160,7 +162,13 @@ impl Mps {
             walls: &system.walls,
         };
         let (coordinates, panels) = (&system.extrapolated.position, &problem.layout.panels);
-        load::add_body_load(&field, bodies, panels, &system.panels, coordinates, share, &mut state.load);
+        for (sensor, probe) in state.sensors.iter_mut().zip(&problem.geometry.probes) {
+            let reading = sensors::read_in_water(problem, &field, probe, coordinates);
+            sensor.add(reading, step.share, step.length, probe.threshold);
+        }
+        if !bodies.is_empty() {
+            load::add_body_load(&field, bodies, panels, &system.panels, coordinates, step.share, &mut state.load);
+        }
     }
 
     /// Largest x of a particle that has company, and half a spacing \[m\].
@@ -249,7 +257,7 @@ impl Discretisation for Mps {
         state.gains.contacts += self.balance.since(problem, state);
         watch.lap(&mut report.stages.gradient);
         self.loads.clone_from(&state.load);
-        self.add_load(problem, state, step.share);
+        self.add_load(problem, state, step);
         let duration = step.length / step.share;
         self.loads.iter_mut().zip(&state.load).for_each(|(load, now)| *load = (now - *load) * duration);
         let rates = state.motion.velocity.iter().zip(end.velocity.iter()).map(|(a, b)| 0.5 * (a + b));
@@ -280,6 +288,6 @@ impl Discretisation for Mps {
         self.grid.build(&state.positions, problem.reach);
         let field = PressureField::of(problem, state, &self.grid, &walls);
         let (front, wall_force) = (self.front(problem, state), load::fixed_wall_force(&field));
-        Observables { front, wall_force, ..diagnostics::observe(problem, state, &outline, &field) }
+        Observables { front, wall_force, ..diagnostics::observe(problem, state, &outline) }
     }
 }

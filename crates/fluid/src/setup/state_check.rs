@@ -61,6 +61,9 @@ impl Solver {
             usable(name, list.iter())?;
         }
         usable("time, time_step", [state.time, state.time_step].iter())?;
+        length("sensors", state.sensors.len(), self.problem.geometry.probes.len())?;
+        let readings = state.sensors.iter().flat_map(|sensor| [sensor.mean, sensor.largest, sensor.impulse]);
+        usable("sensors", readings.collect::<Vec<_>>().iter())?;
         usable("gains", state.gains.terms().iter().flat_map(|gain| gain.numbers()).collect::<Vec<_>>().iter())?;
         if state.time_step < 0.0 {
             return refuse("time_step", state.time_step, "at least 0 s");

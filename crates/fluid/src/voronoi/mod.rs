@@ -12,6 +12,7 @@ pub mod outline;
 mod polygon;
 mod reaction;
 mod relax;
+mod sensing;
 mod shape;
 mod shifting;
 mod source;
@@ -30,10 +31,8 @@ pub use stages::Stages;
 use crate::Error;
 use crate::diagnostics::{self, Observables};
 use crate::discretisation::{Discretisation, mean_acceleration};
-use crate::grid::Grid;
 use crate::linear::ConjugateGradient;
 use crate::parameters::VoronoiParameters;
-use crate::pressure_field::PressureField;
 use crate::problem::Problem;
 use crate::report::{Report, Watch};
 use crate::state::State;
@@ -221,6 +220,7 @@ impl Discretisation for Voronoi {
         let Self { system, parameters, shift, unpaid, balance, .. } = self;
         balance.stopped(problem, state, system, end, step.length);
         system.add_body_load(problem, &state.pressures, step.share, &mut state.load);
+        system.sense(problem, &state.pressures, step, &mut state.sensors);
         correct::add_stopped(state, system, step);
         correct::add_added_mass(state, system, step.share);
         correct::kick(state, system, problem, step.length);
@@ -266,6 +266,9 @@ impl Discretisation for Voronoi {
             solved => solved?,
         }
         self.system.add_body_load(problem, &scratch.pressures, 1.0, &mut scratch.load);
+        for (sensor, probe) in state.sensors.iter_mut().zip(&problem.geometry.probes) {
+            sensor.set(self.system.read(problem, &scratch.pressures, probe));
+        }
         state.load = scratch.load;
         state.pressures = scratch.pressures;
         state.acceleration.copy_from_slice(state.motion.acceleration.as_slice());
@@ -276,13 +279,7 @@ impl Discretisation for Voronoi {
     }
 
     fn observe(&mut self, problem: &Problem, state: &State) -> Observables {
-        let walls = problem.walls(&state.motion.position);
-        let mut grid = Grid::default();
-        if !problem.geometry.probes.is_empty() {
-            grid.build(&state.positions, problem.reach);
-        }
-        let field = PressureField::of(problem, state, &grid, &walls);
         let outline = Outline::of(problem, state, self.system.cells_of(problem, state));
-        diagnostics::observe(problem, state, &outline, &field)
+        diagnostics::observe(problem, state, &outline)
     }
 }
