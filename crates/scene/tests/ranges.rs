@@ -47,6 +47,8 @@ const BOUNDS: &[(&str, &[&str], &[&str])] = &[
     ("fluid.solve.tolerance", &["-1e-9", "0.11"], &["0", "0.1"]),
     ("fluid.solve.maximum_iterations", &["-1", "0", "1000001"], &["1", "1000000"]),
     ("fluid.probe.1.count", &["-1", "0", "1001", "9000000000000000000"], &["1", "1000"]),
+    ("fluid.probe.0.size", &["-0.1", "1.1e9"], &["0", "1e9"]),
+    ("fluid.probe.0.threshold", &["-1.1e12", "1.1e12"], &["-1e12", "1e12"]),
     ("body.0.springs.0", &["-1", "1.1e15"], &["0", "1e15"]),
     ("body.0.springs.1", &["-1"], &["0"]),
     ("body.0.springs.2", &["-1"], &["0"]),

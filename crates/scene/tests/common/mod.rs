@@ -23,7 +23,7 @@ damping = [{ from = 0.8, to = 1.0, rate = 5.0 }]
 shaking = { amplitude = [0.1, 0.0], period = 2.0 }
 water = [{ polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]] }]
 wall = [{ points = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]] }]
-probe = [{ name = "p", point = [0.0, 0.1] }, { name = "l", from = [0.0, 0.1], to = [0.0, 0.4], count = 3 }]
+probe = [{ name = "p", point = [0.0, 0.1], size = 0.02, threshold = 0.0 }, { name = "l", from = [0.0, 0.1], to = [0.0, 0.4], count = 3, size = 0.0 }]
 gauge = [{ name = "g", x = 0.5 }]
 region = [{ name = "r", polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]] }]
 voronoi = { alpha = 0.01, courant = 0.4, shifting = 1.0, repulsion = 20.0, spreading = 30.0, smoothing = 1.0, enclosed_pressure = 0.0 }
