@@ -58,7 +58,7 @@ impl Balance {
     }
 
     /// Everything from the middle of the step on; after particles and velocities were shifted, with the `changes` of velocity
-    /// that this made, and before the particles move on. `load` is that of this step.
+    /// that this made, and before the particles move on.
     pub fn moved(
         &mut self,
         problem: &Problem,
