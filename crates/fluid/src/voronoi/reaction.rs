@@ -84,7 +84,7 @@ impl PressureSystem {
     }
 
     /// What a facet on a wall bears beyond the pressure at its particle where it ends at the free surface: the pressure
-    /// falls to 0 there. By the same measure neighbours push each other along the surface (`unpaid.rs`) \[N/m\].
+    /// falls to 0 there \[N/m\].
     pub fn push_on_wall(&self, i: usize, facet: &Facet, pressure: f64, spacing: f64) -> Vector2<f64> {
         let cell = &self.cells.cells[i];
         if !cell.is_open() || !facet.meets_surface() {
