@@ -1,6 +1,5 @@
 //! Quantities that people look at, from a state.
 
-use crate::balance::Gains;
 use crate::parameters::Region;
 use crate::problem::Problem;
 use crate::sensors::stands;
@@ -44,8 +43,6 @@ pub struct Observables {
     pub particles: usize,
     /// Particles lost so far.
     pub lost: usize,
-    /// What changed momentum, angular momentum and energy so far.
-    pub gains: Gains,
 }
 
 /// Computes the quantities of `state`, those of its outline from that: the front is its farthest point, the force on the
@@ -70,7 +67,6 @@ pub fn observe(problem: &Problem, state: &State, outline: &Outline) -> Observabl
         maximum_speed: state.velocities.iter().map(|velocity| velocity.norm()).fold(0.0, f64::max),
         particles: state.positions.len(),
         lost: state.lost,
-        gains: state.gains,
     }
 }
 

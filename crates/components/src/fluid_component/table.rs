@@ -195,8 +195,8 @@ fn shape() -> Vec<Row> {
 /// What changed momentum, angular momentum and energy of the water since the start: together all of it.
 fn gains() -> Vec<Row> {
     let rows = |(index, (name, what)): (usize, &(&str, &str))| {
-        let reference = 420 + 2 * index as Reference;
-        let reference_of = |first: Reference, index: usize| first + index as Reference;
+        let number = index as Reference;
+        let reference = 420 + 2 * number;
         let meaning = |axis: &str| format!("impulse that the water was given along {axis} since the start: {what}");
         let x = Row::real(reference, format!("impulse.{name}.x"), meaning("X"), "Momentum", |this, index| {
             this.gain(index).impulse.x
@@ -206,13 +206,11 @@ fn gains() -> Vec<Row> {
         });
         let meaning = format!("angular momentum about the origin that the water was given since the start: {what}");
         let name_angular = format!("impulse.{name}.angular");
-        let angular = Row::real(reference_of(440, index), name_angular, meaning, "AngularMomentum", |this, index| {
-            this.gain(index).angular
-        });
+        let angular =
+            Row::real(440 + number, name_angular, meaning, "AngularMomentum", |this, index| this.gain(index).angular);
         let meaning = format!("energy that the water was given since the start: {what}");
-        let work = Row::real(reference_of(460, index), format!("work.{name}"), meaning, "Energy", |this, index| {
-            this.gain(index).energy
-        });
+        let work =
+            Row::real(460 + number, format!("work.{name}"), meaning, "Energy", |this, index| this.gain(index).energy);
         [x.at(index), y.at(index), angular.at(index), work.at(index)]
     };
     Gains::NAMES.iter().enumerate().flat_map(rows).collect()
