@@ -8,7 +8,7 @@ use super::tessellate::{self, CellBuffers, GRID};
 use crate::grid::Grid;
 use crate::parallel::{self, CHUNK, Lists};
 use crate::walls::{FIXED, WallProximity, Walls};
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 /// Share of a spacing below which a facet is dropped, touching corners of a square lattice, and particles coincide.
@@ -99,7 +99,7 @@ impl Cells {
         tessellate::tessellate(setup, grid, CellBuffers { facets: interior, corners, planes, relative_area, cells });
         self.bound_cells(setup);
         self.agree(setup);
-        self.close_surfaces();
+        self.close_surfaces(setup.areas);
     }
 
     /// Facets and cells from the outlines that walls or empty space may touch.
@@ -143,12 +143,15 @@ impl Cells {
         self.end_at_surfaces(setup.spacing);
     }
 
-    /// Facets that cross the free surface end there, at the mean depth of the two cells.
+    /// Facets that cross the free surface end there, at the mean depth of the two cells, each as far as it is open.
     fn end_at_surfaces(&mut self, spacing: f64) {
         let cells = &self.cells;
         self.boundary.change(|i, facet| {
             if facet.meets_surface() {
-                facet.end_at(0.5 * (cells[i].depth + cells[facet.neighbour as usize].depth), spacing);
+                let (own, other) = (&cells[i], &cells[facet.neighbour as usize]);
+                let open = own.openness + other.openness;
+                let depths = own.depth * own.openness + other.depth * other.openness;
+                facet.end_at(if open > 0.0 { depths / open } else { 0.0 }, spacing);
             }
         });
         self.asymmetric.resize(cells.len(), false);
@@ -175,7 +178,8 @@ impl Cells {
             for i in members {
                 if *reconciled {
                     walls.items.extend_from_slice(boundary_walls.of(i));
-                    let closures = (!cells[i].is_open()).then_some(&mut *walls.items);
+                    let closed = 1.0 - cells[i].openness;
+                    let closures = (closed > 0.0).then_some((&mut *walls.items, closed));
                     seen.agree(i, SLACK * setup.spacing, facets.items, closures);
                 }
                 facets.end();
@@ -186,37 +190,19 @@ impl Cells {
         self.facets.swap_chunks(&mut self.interior, |chunk| !reconciled[chunk]);
     }
 
-    /// What the free surfaces of cells add up to, from the facets that bound the rest.
-    fn close_surfaces(&mut self) {
+    /// What the free surfaces of cells add up to, from the facets that bound the rest, and how stiff cells are.
+    fn close_surfaces(&mut self, areas: &[f64]) {
         let (facets, walls) = (&self.facets, &self.walls);
         self.cells.par_iter_mut().with_min_len(parallel::CHUNK).enumerate().for_each(|(i, cell)| {
-            if !cell.is_open() {
-                return;
+            if cell.is_open() {
+                cell.close_surface(facets.of(i).iter().chain(walls.of(i).iter().map(|wall| &wall.facet)));
             }
-            let (mut closed, mut moment) = (Vector2::zeros(), Matrix2::zeros());
-            for facet in facets.of(i).iter().chain(walls.of(i).iter().map(|wall| &wall.facet)) {
-                let normal = facet.normal * facet.length();
-                closed += normal;
-                moment += facet.middle() * normal.transpose();
+            if cell.asymmetric {
+                cell.stiffness = cell.stiffness_for(facets.of(i), areas[i]);
             }
-            cell.outward = -closed;
-            // It is no shorter than the straight line between its ends, whatever became of these.
-            cell.surface = cell.surface.max(SHORTEST * cell.outward.norm());
-            let rest = Matrix2::identity() * cell.filled - moment;
-            let exact = rest * cell.outward / (cell.surface * cell.depth);
-            // Beside the edge of a solid what is left of a surface may not bound the area at all: the exact weight was twice its
-            // length there, and threw one particle out at 0.7 m/s.
-            let beyond = exact - cell.outward;
-            let bound = cell.surface / beyond.norm().max(cell.surface);
-            cell.free_surface_gradient = cell.outward + beyond * (bound * cell.flatness());
         });
     }
 }
-
-/// Length of a cell's surface, at least, over the straight line between its ends. These stand at the mean depth of two
-/// cells, so that along a smooth surface the line is longer than the surface at the cell's own depth by a little: with
-/// 1 a drop in a central field loses 1.5 per cent of its energy in five periods, with this 1.2.
-const SHORTEST: f64 = 0.95;
 
 /// Facets as each cell sees them.
 struct Seen<'a> {
@@ -239,9 +225,9 @@ impl Seen<'_> {
         self.interior.of(i).iter().any(|facet| self.asymmetric[facet.neighbour as usize])
     }
 
-    /// The facets of cell i that its neighbours see too. What only it sees becomes a piece of wall among the `closures`,
-    /// so that cells stay closed; an open cell counts it to its free surface.
-    fn agree(&self, i: usize, slack: f64, out: &mut Vec<Facet>, mut closures: Option<&mut Vec<WallFacet>>) {
+    /// The facets of cell i that its neighbours see too. What only it sees becomes a piece of wall among the closures,
+    /// so that cells stay closed, with the share of the cell that is closed; the rest counts to its free surface.
+    fn agree(&self, i: usize, slack: f64, out: &mut Vec<Facet>, mut closures: Option<(&mut Vec<WallFacet>, f64)>) {
         for facet in self.of(i) {
             let j = facet.neighbour as usize;
             if !(self.asymmetric[i] || self.asymmetric[j]) {
@@ -251,12 +237,13 @@ impl Seen<'_> {
             let begin = out.len();
             let of_pair = self.of(j).iter().filter(|other| other.neighbour as usize == i);
             out.extend(of_pair.filter_map(|other| facet.common(other)));
-            let Some(closures) = &mut closures else { continue };
+            let Some((closures, closed)) = &mut closures else { continue };
             out[begin..].sort_by(|a, b| a.from.total_cmp(&b.from));
             let mut from = facet.from;
             for (to, next) in out[begin..].iter().map(|part| (part.from, part.to)).chain([(facet.to, facet.to)]) {
                 if to - from > slack {
-                    let rest = facet.part([from, to]);
+                    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) * *closed);
+                    let rest = facet.part([middle - half, middle + half]).with_empty_ends([0.0; 2]);
                     closures.push(WallFacet { facet: rest, panel: FIXED, fraction: 0.0, is_closure: true });
                 }
                 from = next;

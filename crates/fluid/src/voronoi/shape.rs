@@ -6,7 +6,7 @@
 //! and delta is what makes it the particle's own area: the position of the free surface follows from the volume.
 //!
 //! A corner is not in empty space at one instant and in water at the next: its share of emptiness grows from 0 to 1 over
-//! a band of distances. A cell is the mean, over all thresholds from 0 to 1, of the cells in which the corners above the
+//! a band of distances, and round the edge of a solid with the room that there is. A cell is the mean, over all thresholds from 0 to 1, of the cells in which the corners above the
 //! threshold lie in empty space and the others do not. So areas, facets and the conductance to the air are continuous in
 //! the positions, and a void that closes does so over several steps: a cell that changed by a finite amount within one
 //! step would be answered with a pressure of 1/dt.
@@ -18,24 +18,28 @@ use super::wall_clip::MOST;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
-/// Distance in spacings up to which no corner lies in empty space. A rectangular lattice stretched 2:1 just closes.
-pub const OPEN: f64 = 1.1;
+/// Distance in spacings up to which no corner lies in empty space. Three particles of a surface a spacing apart that fold
+/// together have just the room that they need when their corner is 1.12 spacings away.
+pub const OPEN: f64 = 1.0;
+/// The same where the cells around the corner have no room beyond what their areas fill, and the room over their areas, on
+/// average, from which on it begins to fall to `OPEN`, and up to which it does.
+const FULL: f64 = 1.25;
+const ROOMY: [f64; 2] = [1.1, 1.3];
 /// Share of `OPEN` up to which rounding does not decide whether a corner lies in empty space.
 pub const INTERIOR: f64 = 0.99;
 /// Distance in spacings from which on every corner does. Nearer corners are seen alike by all cells that share them,
 /// since particles are looked for up to twice this distance.
 pub const FAR: f64 = 1.4;
-/// Band of distances in spacings over which a corner goes from water to empty space.
-const BAND: f64 = 0.15;
-/// Mean room of the cells around a corner, over their areas, up to which the band ends at `FAR`, and from which on it
-/// begins at `OPEN`.
-const ROOMY: [f64; 2] = [1.2, 1.5];
 /// Largest turn of the free surface that is a corner \[rad\].
 const SHARPEST: f64 = 1.9;
 /// Least and largest distance of the free surface from a particle, in spacings.
-const DEPTHS: [f64; 2] = [0.15, 0.8];
+const DEPTHS: [f64; 2] = [0.15, 0.9];
 /// Least length of the free surface of a cell in spacings: with none the cell's pressure would be undetermined.
-const LEAST_SURFACE: f64 = 0.2;
+const LEAST_SURFACE: f64 = 0.1;
+/// Distances in spacings over which the edge of a solid lets the surface go: of the edge from the foot of the particle on its
+/// wall, and of the edge from the next facet.
+const EDGE: f64 = 0.5;
+const APERTURE: f64 = 0.4;
 /// Walls have the labels above this many below the box.
 const MOST_WALLS: u32 = MOST as u32;
 /// Corners of an outline that are looked at; a cell has six on average.
@@ -86,8 +90,9 @@ pub struct Around<'a> {
 
 /// The outline of one cell with what lies around it.
 pub struct Shape<'a> {
-    /// Corners of the polygon, counter-clockwise.
-    corners: &'a [Corner],
+    /// Corners of the polygon, counter-clockwise, and their number.
+    corners: [Corner; CORNERS],
+    count: usize,
     around: Around<'a>,
     /// How far each corner lies in empty space, 0 to 1, or the water ends before it.
     empty: [f64; CORNERS],
@@ -106,17 +111,23 @@ struct Level {
 impl<'a> Shape<'a> {
     /// An outline with its corners counter-clockwise.
     pub fn new(corners: &'a [Corner], around: Around<'a>) -> Self {
-        let corners = &corners[..corners.len().min(CORNERS)];
-        let mut shape = Self { corners, around, empty: [0.0; CORNERS], held: [1.0; CORNERS] };
-        let mut own = [0.0; CORNERS];
-        (0..corners.len()).for_each(|k| own[k] = shape.emptiness(k));
-        for k in 0..corners.len() {
-            let (before, after) = ((k + corners.len() - 1) % corners.len(), (k + 1) % corners.len());
-            // The water does not reach round the corner of a solid along a wall whose other end lies in empty space.
-            let round = |edge: usize, end: usize| if shape.is_hidden(edge) { own[end] } else { 0.0 };
-            shape.empty[k] = own[k].max(round(k, after)).max(round(before, before));
+        let count = corners.len().min(CORNERS);
+        let nowhere = Corner { place: Vector2::zeros(), label: BOX };
+        let (empty, held) = ([0.0; CORNERS], [1.0; CORNERS]);
+        let mut shape = Self { corners: [nowhere; CORNERS], count, around, empty, held };
+        shape.corners[..count].copy_from_slice(&corners[..count]);
+        (0..count).for_each(|k| shape.empty[k] = shape.emptiness(k));
+        let own = shape.empty;
+        for k in 0..count {
+            if !shape.is_hidden(k) {
+                continue;
+            }
+            let next = shape.wrapped(k + 1);
+            shape.let_go(&own, [k, next], false);
+            shape.let_go(&own, [next, k], true);
         }
-        (0..corners.len()).for_each(|k| shape.held[k] = shape.hold(k));
+        (0..count).for_each(|k| shape.leave_edge(&own, k));
+        (0..count).for_each(|k| shape.held[k] = shape.hold(k));
         shape
     }
 
@@ -125,13 +136,13 @@ impl<'a> Shape<'a> {
     }
 
     fn wrapped(&self, k: usize) -> usize {
-        if k == self.corners.len() { 0 } else { k }
+        if k == self.count { 0 } else { k }
     }
 
     /// Whether the other cells might see other facets than this one.
     pub fn is_asymmetric(&self, walls: usize) -> bool {
         let limit = (INTERIOR * OPEN * self.around.spacing).powi(2);
-        walls > 0 || self.corners.iter().any(|corner| corner.place.norm_squared() > limit)
+        walls > 0 || self.corners[..self.count].iter().any(|corner| corner.place.norm_squared() > limit)
     }
 
     /// How far corner k lies in empty space: far from its particles, the nearer the more room these have beyond what
@@ -141,26 +152,82 @@ impl<'a> Shape<'a> {
         if distance <= OPEN || distance >= FAR {
             return f64::from(u8::from(distance >= FAR));
         }
-        let count = self.corners.len();
-        let (before, after) = (self.corners[(k + count - 1) % count].label, self.corners[k].label);
-        if before == BOX || after == BOX {
-            return 1.0;
-        }
         let relative_area = self.around.relative_area;
         let (mut sum, mut cells) = (relative_area(BOX), 1.0);
-        for area in [relative_area(before), relative_area(after)] {
+        for label in [self.corners[(k + self.count - 1) % self.count].label, self.corners[k].label] {
+            let area = if label == BOX { 0.0 } else { relative_area(label) };
             if area > 0.0 {
                 (sum, cells) = (sum + area, cells + 1.0);
             }
         }
-        let begin = FAR - BAND - (FAR - BAND - OPEN) * smooth_step(sum / cells, ROOMY);
-        smooth_step(distance, [begin, begin + BAND])
+        let begin = FULL - (FULL - OPEN) * smooth_step(sum / cells, ROOMY);
+        smooth_step(distance, [begin, FAR])
+    }
+
+    /// Whether edge k is a wall.
+    fn is_wall(&self, k: usize) -> bool {
+        let label = self.corners[k].label;
+        label > BOX - MOST_WALLS && label != BOX
     }
 
     /// Whether edge k is a wall that the particle stands behind: the far side of a solid's corner.
     fn is_hidden(&self, k: usize) -> bool {
-        let label = self.corners[k].label;
-        label > BOX - MOST_WALLS && label != BOX && (self.around.planes)(label).distance <= 0.0
+        self.is_wall(k) && (self.around.planes)(self.corners[k].label).distance <= 0.0
+    }
+
+    /// The water does not reach round the edge of a solid, a corner at the `start` of a hidden side whose `end` lies in empty
+    /// space: the nearer the particle stands to seeing that side, and the less room there is between the edge and the next
+    /// facet, the more it does. Looks on in the order of the corners, or `back`.
+    fn let_go(&mut self, own: &[f64; CORNERS], [start, end]: [usize; 2], back: bool) {
+        let count = self.count;
+        let step = |k: usize| if back { (k + count - 1) % count } else { (k + 1) % count };
+        // Edges are named by the corner that they start from.
+        let (hidden, other) = if back { (end, start) } else { (start, (start + count - 1) % count) };
+        if own[end] == 0.0 || !self.is_wall(other) {
+            return;
+        }
+        let spacing = self.around.spacing;
+        let mut edge = step(hidden);
+        let bounds = |edge: usize| self.corners[edge].label != BOX && !self.is_hidden(edge);
+        while !bounds(edge) && edge != hidden {
+            edge = step(edge);
+        }
+        let tip = self.corners[start].place;
+        let plane = (self.around.planes)(self.corners[edge].label);
+        let gap = if edge == hidden { APERTURE * spacing } else { plane.distance - plane.normal.dot(&tip) };
+        let behind = -(self.around.planes)(self.corners[hidden].label).distance / spacing;
+        let unseen = smooth_step(behind, [0.0, EDGE]);
+        let room = 1.0 - own[end] * unseen * (1.0 - smooth_step(gap / spacing, [0.0, APERTURE]));
+        let share = own[end] * room * unseen;
+        if room < 1.0 {
+            let across = tip + plane.normal * gap;
+            let last = if back { self.wrapped(edge + 1) } else { edge };
+            let mut corner = end;
+            while corner != start {
+                self.corners[corner].place = across + (self.corners[corner].place - across) * room;
+                self.empty[corner] *= room;
+                corner = if corner == last { start } else { step(corner) };
+            }
+        }
+        self.empty[start] = self.empty[start].max(share);
+    }
+
+    /// The edge of a solid, corner k, that stands in a facet leaves it when nothing of its sides is left in the cell: before, the
+    /// surface lets go of them if the facet ends in empty space.
+    fn leave_edge(&mut self, own: &[f64; CORNERS], k: usize) {
+        let (before, after) = ((k + self.count - 1) % self.count, self.wrapped(k + 1));
+        let first = (before + self.count - 1) % self.count;
+        let same = self.corners[first].label == self.corners[after].label;
+        if self.count < 5 || !same || !self.is_wall(before) || !self.is_wall(k) {
+            return;
+        }
+        let length = |from: usize, to: usize| (self.corners[to].place - self.corners[from].place).norm();
+        let size = length(before, k).max(length(k, after)) / self.around.spacing;
+        let far = own[first].max(own[self.wrapped(after + 1)]);
+        let share = far * (1.0 - smooth_step(size, [0.0, APERTURE]));
+        for corner in [before, k, after] {
+            self.empty[corner] = self.empty[corner].max(share);
+        }
     }
 
     /// Edge k of the polygon as a facet.
@@ -197,7 +264,7 @@ impl<'a> Shape<'a> {
 
     /// The cell, of the area `volume` where it is open and the surface can be placed so; `add` receives its facets.
     pub fn cell(&self, volume: f64, mut add: impl FnMut(Facet)) -> Cell {
-        let empty = &self.empty[..self.corners.len()];
+        let empty = &self.empty[..self.count];
         let openness = empty.iter().copied().fold(0.0, f64::max);
         let mut cell = self.closed_part(1.0 - openness);
         cell.openness = openness;
@@ -214,7 +281,7 @@ impl<'a> Shape<'a> {
             cell.centroid += self.centroid(threshold, level.depth) * share;
             threshold = next;
         }
-        for k in 0..self.corners.len() {
+        for k in 0..self.count {
             self.add_facet(k, cell.depth, &mut add);
         }
         cell
@@ -226,7 +293,7 @@ impl<'a> Shape<'a> {
             return Cell::default();
         }
         let mut outline = Ring::default();
-        self.corners.iter().for_each(|corner| outline.walk(corner.place));
+        self.corners[..self.count].iter().for_each(|corner| outline.walk(corner.place));
         let (area, centroid) = outline.close();
         Cell::closed(share * area, centroid * share)
     }
@@ -260,7 +327,9 @@ impl<'a> Shape<'a> {
         let lack = volume - constant;
         let root = (linear * linear + 2.0 * bend * lack).max(0.0).sqrt();
         let wanted = 2.0 * lack / (linear + root).max(1e-12 * spacing);
-        let depth = wanted.clamp(DEPTHS[0] * spacing, DEPTHS[1] * spacing);
+        // A surface that turns inwards has no length left where its sides meet: there it closes.
+        let closes = if bend < 0.0 { (-linear / bend).max(DEPTHS[0] * spacing) } else { f64::INFINITY };
+        let depth = wanted.clamp(DEPTHS[0] * spacing, closes.min(DEPTHS[1] * spacing));
         let surface = (linear + bend * depth).max(LEAST_SURFACE * spacing);
         Level { area: constant + linear * depth + 0.5 * bend * depth * depth, depth, surface }
     }
@@ -270,7 +339,7 @@ impl<'a> Shape<'a> {
     fn turns_backwards(&self, threshold: f64) -> bool {
         let (mut gaps, mut turned) = (0, 0.0);
         let (mut first, mut last): (Option<Vector2<f64>>, Option<Vector2<f64>>) = (None, None);
-        for k in 0..self.corners.len() {
+        for k in 0..self.count {
             let bound = self.bound(k, threshold);
             if bound == Bound::Nothing {
                 continue;
@@ -303,7 +372,7 @@ impl<'a> Shape<'a> {
             let angle = if angle <= 1e-9 || backwards { angle + 2.0 * PI } else { angle };
             bend += corner_bend(angle - PI);
         };
-        for k in 0..self.corners.len() {
+        for k in 0..self.count {
             let bound = self.bound(k, threshold);
             if bound == Bound::Nothing {
                 continue;
@@ -336,7 +405,7 @@ impl<'a> Shape<'a> {
     /// Centroid of the cell whose corners above `threshold` lie in empty space and whose free surface stands at `depth`.
     fn centroid(&self, threshold: f64, depth: f64) -> Vector2<f64> {
         let mut outline = Ring::default();
-        for k in 0..self.corners.len() {
+        for k in 0..self.count {
             let bound = self.bound(k, threshold);
             if bound == Bound::Nothing {
                 continue;

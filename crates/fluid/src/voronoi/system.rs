@@ -2,6 +2,7 @@
 
 use super::cells::{Cells, Setup};
 use super::closed_components::ClosedComponents;
+use super::facet::Facet;
 use super::source::Asked;
 use super::unit_pressures::{MovingFacet, UnitPressures};
 use super::{correct, operators};
@@ -324,13 +325,14 @@ pub(super) fn fill_matrix(
 ) -> bool {
     let count = cells.cells.len();
     matrix.set_rows(count, |i, out| {
-        let facets = cells.facets.of(i).iter();
-        out.extend(facets.map(|facet| Entry { column: facet.neighbour, weight: facet.weight() as f32 }));
+        let stiff = |facet: &Facet| cells.cells[i].stiffness.max(cells.cells[facet.neighbour as usize].stiffness);
+        let entry = |facet: &Facet| Entry { column: facet.neighbour, weight: (facet.weight() * stiff(facet)) as f32 };
+        out.extend(cells.facets.of(i).iter().map(entry));
     });
     matrix.row_sums.resize(count, 0.0);
     parallel::fill(&mut matrix.row_sums, |i| {
         let cell = &cells.cells[i];
-        if cell.is_open() { cell.surface / cell.depth } else { 0.0 }
+        if cell.is_open() { cell.stiffness * cell.surface / cell.depth } else { 0.0 }
     });
     let closed = components.settle(cells, areas, &mut matrix.row_sums);
     matrix.close(closed);

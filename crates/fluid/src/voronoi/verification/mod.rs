@@ -1,9 +1,11 @@
 //! Verification of the cells and of the operators on them, on arrangements of every kind.
 
 mod areas;
+mod continuity;
 mod divergence;
 mod gradient;
 mod poisson;
+mod stiffness;
 
 use super::cells::{Cells, Setup};
 use crate::parallel::Lists;
@@ -92,6 +94,13 @@ impl Arrangement {
             }
         }
         arrangement
+    }
+
+    /// The same particles, owning their cells: there is no more room than they fill.
+    pub fn filled(mut self) -> Self {
+        self.own_areas = self.areas();
+        self.rebuild();
+        self
     }
 
     /// The unit box without its lid: the particles own what their cells hold under the lid.
