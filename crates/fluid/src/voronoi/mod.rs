@@ -5,6 +5,7 @@ mod cell;
 pub mod cells;
 mod closed_components;
 mod correct;
+mod edges;
 mod facet;
 mod neighbour_lanes;
 mod operators;

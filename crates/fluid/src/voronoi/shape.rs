@@ -6,8 +6,8 @@
 //! and delta is what makes it the particle's own area: the position of the free surface follows from the volume.
 //!
 //! A corner is not in empty space at one instant and in water at the next: its share of emptiness grows from 0 to 1 over
-//! a band of distances, and round the edge of a solid with the room that there is. A cell is the mean, over all thresholds from 0 to 1, of the cells in which the corners above the
-//! threshold lie in empty space and the others do not. So areas, facets and the conductance to the air are continuous in
+//! a band of distances, and round the edge of a solid with the room that there is (`edges.rs`). A cell is the mean, over all
+//! thresholds from 0 to 1, of the cells in which the corners above the threshold lie in empty space and the others do not. So areas, facets and the conductance to the air are continuous in
 //! the positions, and a void that closes does so over several steps: a cell that changed by a finite amount within one
 //! step would be answered with a pressure of 1/dt.
 
@@ -36,14 +36,10 @@ const SHARPEST: f64 = 1.9;
 const DEPTHS: [f64; 2] = [0.15, 0.9];
 /// Least length of the free surface of a cell in spacings: with none the cell's pressure would be undetermined.
 const LEAST_SURFACE: f64 = 0.1;
-/// Distances in spacings over which the edge of a solid lets the surface go: of the edge from the foot of the particle on its
-/// wall, and of the edge from the next facet.
-const EDGE: f64 = 0.5;
-const APERTURE: f64 = 0.4;
 /// Walls have the labels above this many below the box.
 const MOST_WALLS: u32 = MOST as u32;
 /// Corners of an outline that are looked at; a cell has six on average.
-const CORNERS: usize = 64;
+pub(super) const CORNERS: usize = 64;
 
 /// Angle from one unit vector to another, counter-clockwise, from -pi to pi.
 fn turn_of(from: &Vector2<f64>, to: &Vector2<f64>) -> f64 {
@@ -58,7 +54,7 @@ fn corner_bend(angle: f64) -> f64 {
 }
 
 /// A smooth step from 0 to 1 over a band.
-fn smooth_step(value: f64, [low, high]: [f64; 2]) -> f64 {
+pub(super) fn smooth_step(value: f64, [low, high]: [f64; 2]) -> f64 {
     let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)
 }
@@ -91,11 +87,11 @@ pub struct Around<'a> {
 /// The outline of one cell with what lies around it.
 pub struct Shape<'a> {
     /// Corners of the polygon, counter-clockwise, and their number.
-    corners: [Corner; CORNERS],
-    count: usize,
-    around: Around<'a>,
+    pub(super) corners: [Corner; CORNERS],
+    pub(super) count: usize,
+    pub(super) around: Around<'a>,
     /// How far each corner lies in empty space, 0 to 1, or the water ends before it.
-    empty: [f64; CORNERS],
+    pub(super) empty: [f64; CORNERS],
     /// How far the particle and the one behind each edge hold together where both ends of the edge lie in empty space.
     held: [f64; CORNERS],
 }
@@ -135,7 +131,7 @@ impl<'a> Shape<'a> {
         self.corners[self.wrapped(k)].place
     }
 
-    fn wrapped(&self, k: usize) -> usize {
+    pub(super) fn wrapped(&self, k: usize) -> usize {
         if k == self.count { 0 } else { k }
     }
 
@@ -165,69 +161,14 @@ impl<'a> Shape<'a> {
     }
 
     /// Whether edge k is a wall.
-    fn is_wall(&self, k: usize) -> bool {
+    pub(super) fn is_wall(&self, k: usize) -> bool {
         let label = self.corners[k].label;
         label > BOX - MOST_WALLS && label != BOX
     }
 
     /// Whether edge k is a wall that the particle stands behind: the far side of a solid's corner.
-    fn is_hidden(&self, k: usize) -> bool {
+    pub(super) fn is_hidden(&self, k: usize) -> bool {
         self.is_wall(k) && (self.around.planes)(self.corners[k].label).distance <= 0.0
-    }
-
-    /// The water does not reach round the edge of a solid, a corner at the `start` of a hidden side whose `end` lies in empty
-    /// space: the nearer the particle stands to seeing that side, and the less room there is between the edge and the next
-    /// facet, the more it does. Looks on in the order of the corners, or `back`.
-    fn let_go(&mut self, own: &[f64; CORNERS], [start, end]: [usize; 2], back: bool) {
-        let count = self.count;
-        let step = |k: usize| if back { (k + count - 1) % count } else { (k + 1) % count };
-        // Edges are named by the corner that they start from.
-        let (hidden, other) = if back { (end, start) } else { (start, (start + count - 1) % count) };
-        if own[end] == 0.0 || !self.is_wall(other) {
-            return;
-        }
-        let spacing = self.around.spacing;
-        let mut edge = step(hidden);
-        let bounds = |edge: usize| self.corners[edge].label != BOX && !self.is_hidden(edge);
-        while !bounds(edge) && edge != hidden {
-            edge = step(edge);
-        }
-        let tip = self.corners[start].place;
-        let plane = (self.around.planes)(self.corners[edge].label);
-        let gap = if edge == hidden { APERTURE * spacing } else { plane.distance - plane.normal.dot(&tip) };
-        let behind = -(self.around.planes)(self.corners[hidden].label).distance / spacing;
-        let unseen = smooth_step(behind, [0.0, EDGE]);
-        let room = 1.0 - own[end] * unseen * (1.0 - smooth_step(gap / spacing, [0.0, APERTURE]));
-        let share = own[end] * room * unseen;
-        if room < 1.0 {
-            let across = tip + plane.normal * gap;
-            let last = if back { self.wrapped(edge + 1) } else { edge };
-            let mut corner = end;
-            while corner != start {
-                self.corners[corner].place = across + (self.corners[corner].place - across) * room;
-                self.empty[corner] *= room;
-                corner = if corner == last { start } else { step(corner) };
-            }
-        }
-        self.empty[start] = self.empty[start].max(share);
-    }
-
-    /// The edge of a solid, corner k, that stands in a facet leaves it when nothing of its sides is left in the cell: before, the
-    /// surface lets go of them if the facet ends in empty space.
-    fn leave_edge(&mut self, own: &[f64; CORNERS], k: usize) {
-        let (before, after) = ((k + self.count - 1) % self.count, self.wrapped(k + 1));
-        let first = (before + self.count - 1) % self.count;
-        let same = self.corners[first].label == self.corners[after].label;
-        if self.count < 5 || !same || !self.is_wall(before) || !self.is_wall(k) {
-            return;
-        }
-        let length = |from: usize, to: usize| (self.corners[to].place - self.corners[from].place).norm();
-        let size = length(before, k).max(length(k, after)) / self.around.spacing;
-        let far = own[first].max(own[self.wrapped(after + 1)]);
-        let share = far * (1.0 - smooth_step(size, [0.0, APERTURE]));
-        for corner in [before, k, after] {
-            self.empty[corner] = self.empty[corner].max(share);
-        }
     }
 
     /// Edge k of the polygon as a facet.
