@@ -1,6 +1,7 @@
 //! The cell of one particle, but for its facets.
 
 use super::facet::Facet;
+use super::unpaid::MOVED;
 use nalgebra::{Matrix2, Vector2};
 
 /// Ratio of |S| to the length of the surface at and below which the surface counts as round.
@@ -9,11 +10,11 @@ const ROUND: f64 = 0.8;
 /// cells, so that along a smooth surface the line is longer than the surface at the cell's own depth by a little: with
 /// 1 a drop in a central field loses 1.5 per cent of its energy in five periods, with this 1.2.
 const SHORTEST: f64 = 0.95;
-/// How fast the stiffness grows with what exceeds 1.
+/// How fast weights grow with what exceeds 1.
 const STIFFENING: f64 = 4.0;
 
 /// The rest of a cell.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Cell {
     /// Area \[m2\].
     pub area: f64,
@@ -34,26 +35,8 @@ pub struct Cell {
     pub free_surface_gradient: Vector2<f64>,
     /// Whether its facets might not be those of its neighbours: beside walls and where corners may lie in empty space.
     pub asymmetric: bool,
-    /// Factor of the weights of its facets and its surface in the matrix of the pressure, 1 or more.
-    pub stiffness: f64,
-}
-
-impl Default for Cell {
-    fn default() -> Self {
-        let none = Vector2::zeros();
-        Self {
-            area: 0.0,
-            filled: 0.0,
-            openness: 0.0,
-            centroid: none,
-            depth: 0.0,
-            surface: 0.0,
-            outward: none,
-            free_surface_gradient: none,
-            asymmetric: false,
-            stiffness: 1.0,
-        }
-    }
+    /// What the factor of the weights of its facets and its surface in the matrix of the pressure has beyond 1.
+    pub stiffening: f64,
 }
 
 impl Cell {
@@ -87,12 +70,12 @@ impl Cell {
         self.free_surface_gradient = self.outward + beyond * (bound * self.flatness());
     }
 
-    /// Stiffness of the cell of a particle with the area `volume`. The kick G p moves areas by D G p / V; with the weights w
-    /// of facets and surface in the matrix and the arms c of their pressure differences in G, what a cell's kick adds to
+    /// Stiffening of the cell of a particle with the area `volume`. The kick G p moves areas by D G p / V; with the weights w
+    /// of facets and surface in the matrix and the arms c that these have in G, what a cell's kick adds to
     /// p.D G p is at most sigma times what its weights are worth, with the largest eigenvalue sigma of sum w c c^T / V. At a
     /// lattice sigma is 1/2. In a column that is squeezed far below a spacing it exceeds 1: an error of the pressure came back
     /// larger, with the other sign, in the next step. There the weights grow with sigma, and the column is damped.
-    pub fn stiffness_for(&self, facets: &[Facet], volume: f64) -> f64 {
+    pub fn stiffening_for(&self, facets: &[Facet], volume: f64) -> f64 {
         let mut moments = Matrix2::zeros();
         for facet in facets {
             let arm = facet.middle();
@@ -104,7 +87,7 @@ impl Cell {
         }
         let lean = 0.5 * (moments[(0, 0)] - moments[(1, 1)]);
         let largest = 0.5 * moments.trace() + lean.hypot(moments[(0, 1)]);
-        (1.0 + STIFFENING * (largest / self.filled.max(0.5 * volume) - 1.0)).max(1.0)
+        (STIFFENING * (largest / self.filled.max(MOVED[0] * volume) - 1.0)).max(0.0)
     }
 
     /// 1 where the free surface is straight or there is none, 0 where it turns by a right angle or more.

@@ -190,7 +190,7 @@ impl Cells {
         self.facets.swap_chunks(&mut self.interior, |chunk| !reconciled[chunk]);
     }
 
-    /// What the free surfaces of cells add up to, from the facets that bound the rest, and how stiff cells are.
+    /// What the free surfaces of cells add up to, from the facets that bound the rest, and how far cells are stiffened.
     fn close_surfaces(&mut self, areas: &[f64]) {
         let (facets, walls) = (&self.facets, &self.walls);
         self.cells.par_iter_mut().with_min_len(parallel::CHUNK).enumerate().for_each(|(i, cell)| {
@@ -198,7 +198,7 @@ impl Cells {
                 cell.close_surface(facets.of(i).iter().chain(walls.of(i).iter().map(|wall| &wall.facet)));
             }
             if cell.asymmetric {
-                cell.stiffness = cell.stiffness_for(facets.of(i), areas[i]);
+                cell.stiffening = cell.stiffening_for(facets.of(i), areas[i]);
             }
         });
     }

@@ -9,10 +9,23 @@ const EDGE: f64 = 0.5;
 const APERTURE: f64 = 0.4;
 
 impl Shape<'_> {
+    /// Changes how far corners at the edges of solids lie in empty space.
+    pub(super) fn part_at_edges(&mut self) {
+        let own = self.empty;
+        for k in 0..self.count {
+            if self.is_hidden(k) {
+                let next = self.wrapped(k + 1);
+                self.let_go(&own, [k, next], false);
+                self.let_go(&own, [next, k], true);
+            }
+        }
+        (0..self.count).for_each(|k| self.leave_edge(&own, k));
+    }
+
     /// The water does not reach round the edge of a solid, a corner at the `start` of a hidden side whose `end` lies in empty
     /// space: the nearer the particle stands to seeing that side, and the less room there is between the edge and the next
     /// facet, the more it does. Looks on in the order of the corners, or `back`.
-    pub(super) fn let_go(&mut self, own: &[f64; CORNERS], [start, end]: [usize; 2], back: bool) {
+    fn let_go(&mut self, own: &[f64; CORNERS], [start, end]: [usize; 2], back: bool) {
         let count = self.count;
         let step = |k: usize| if back { (k + count - 1) % count } else { (k + 1) % count };
         // Edges are named by the corner that they start from.
@@ -48,7 +61,7 @@ impl Shape<'_> {
 
     /// The edge of a solid, corner k, that stands in a facet leaves it when nothing of its sides is left in the cell: before, the
     /// surface lets go of them if the facet ends in empty space.
-    pub(super) fn leave_edge(&mut self, own: &[f64; CORNERS], k: usize) {
+    fn leave_edge(&mut self, own: &[f64; CORNERS], k: usize) {
         let (before, after) = ((k + self.count - 1) % self.count, self.wrapped(k + 1));
         let first = (before + self.count - 1) % self.count;
         let same = self.corners[first].label == self.corners[after].label;

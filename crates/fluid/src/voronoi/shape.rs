@@ -7,9 +7,9 @@
 //!
 //! A corner is not in empty space at one instant and in water at the next: its share of emptiness grows from 0 to 1 over
 //! a band of distances, and round the edge of a solid with the room that there is (`edges.rs`). A cell is the mean, over all
-//! thresholds from 0 to 1, of the cells in which the corners above the threshold lie in empty space and the others do not. So areas, facets and the conductance to the air are continuous in
-//! the positions, and a void that closes does so over several steps: a cell that changed by a finite amount within one
-//! step would be answered with a pressure of 1/dt.
+//! thresholds from 0 to 1, of the cells in which the corners above the threshold lie in empty space and the others do not. So
+//! areas, facets and the conductance to the air are continuous in the positions, and a void that closes does so over several
+//! steps: a cell that changed by a finite amount within one step would be answered with a pressure of 1/dt.
 
 use super::cell::Cell;
 use super::facet::{Facet, held, turn};
@@ -113,16 +113,9 @@ impl<'a> Shape<'a> {
         let mut shape = Self { corners: [nowhere; CORNERS], count, around, empty, held };
         shape.corners[..count].copy_from_slice(&corners[..count]);
         (0..count).for_each(|k| shape.empty[k] = shape.emptiness(k));
-        let own = shape.empty;
-        for k in 0..count {
-            if !shape.is_hidden(k) {
-                continue;
-            }
-            let next = shape.wrapped(k + 1);
-            shape.let_go(&own, [k, next], false);
-            shape.let_go(&own, [next, k], true);
+        if (0..count).any(|k| shape.is_wall(k)) {
+            shape.part_at_edges();
         }
-        (0..count).for_each(|k| shape.leave_edge(&own, k));
         (0..count).for_each(|k| shape.held[k] = shape.hold(k));
         shape
     }

@@ -325,14 +325,15 @@ pub(super) fn fill_matrix(
 ) -> bool {
     let count = cells.cells.len();
     matrix.set_rows(count, |i, out| {
-        let stiff = |facet: &Facet| cells.cells[i].stiffness.max(cells.cells[facet.neighbour as usize].stiffness);
+        let stiffening = |i: usize| cells.cells[i].stiffening;
+        let stiff = |facet: &Facet| 1.0 + stiffening(i).max(stiffening(facet.neighbour as usize));
         let entry = |facet: &Facet| Entry { column: facet.neighbour, weight: (facet.weight() * stiff(facet)) as f32 };
         out.extend(cells.facets.of(i).iter().map(entry));
     });
     matrix.row_sums.resize(count, 0.0);
     parallel::fill(&mut matrix.row_sums, |i| {
         let cell = &cells.cells[i];
-        if cell.is_open() { cell.stiffness * cell.surface / cell.depth } else { 0.0 }
+        if cell.is_open() { (1.0 + cell.stiffening) * cell.surface / cell.depth } else { 0.0 }
     });
     let closed = components.settle(cells, areas, &mut matrix.row_sums);
     matrix.close(closed);

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 /// Least and largest area of a cell over its particle's own whose mass moves with the cell: one beyond is pushed as one of this
 /// area, with its weight. A splinter between two walls that close on it would be thrown out at any speed.
-const MOVED: [f64; 2] = [0.5, 2.0];
+pub(super) const MOVED: [f64; 2] = [0.5, 2.0];
 /// How often unpaid impulses are exchanged with neighbours, and the share of the difference that a facet as long as the
 /// particles are apart exchanges.
 const EXCHANGES: usize = 2;

@@ -1,6 +1,7 @@
 //! Continuity: nothing that cells give the equations jumps while particles walk.
 
 use super::*;
+use crate::voronoi::facet::Facet;
 use crate::voronoi::operators;
 
 /// Step along a path in spacings.
@@ -42,9 +43,8 @@ impl Walk {
         let of = |i: usize| {
             let cell = &cells.cells[i];
             let tie = if cell.is_open() { cell.surface / cell.depth } else { 0.0 };
-            let across = |facet: &crate::voronoi::facet::Facet| {
-                facet.weight() * (self.pressures[i] - self.pressures[facet.neighbour as usize])
-            };
+            let across =
+                |facet: &Facet| facet.weight() * (self.pressures[i] - self.pressures[facet.neighbour as usize]);
             let walls = cells.walls.of(i).iter().filter(|wall| !wall.is_closure);
             let wall_rate: f64 =
                 walls.map(|wall| wall.facet.length() * wall.facet.normal.dot(&self.velocities[i])).sum();

@@ -5,7 +5,7 @@ use super::{Arrangement, Noise, ORDERS, Order, largest};
 use nalgebra::Vector2;
 
 /// D u with walls that stand still.
-fn rate(water: &Arrangement, i: usize, velocities: &[Vector2<f64>]) -> f64 {
+pub fn rate(water: &Arrangement, i: usize, velocities: &[Vector2<f64>]) -> f64 {
     let at_walls =
         water.cells.walls.of(i).iter().map(|wall| wall.facet.length() * wall.facet.normal.dot(&velocities[i]));
     area_rate(&water.cells, i, velocities) - at_walls.sum::<f64>()

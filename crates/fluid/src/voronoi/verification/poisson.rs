@@ -7,7 +7,8 @@ use crate::voronoi::system::fill_matrix;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
-fn assembled(water: &Arrangement) -> Matrix {
+/// A of the cells.
+pub fn assembled(water: &Arrangement) -> Matrix {
     let mut matrix = Matrix::default();
     fill_matrix(&mut matrix, &water.cells, &water.own_areas, &mut ClosedComponents::default());
     matrix

@@ -1,47 +1,36 @@
 //! What becomes of an error of the velocity in one projection after another.
 
 use super::*;
-use crate::voronoi::cell::Cell;
 use crate::voronoi::operators;
+use crate::voronoi::unpaid::MOVED;
 use nalgebra::{DMatrix, DVector};
 
 /// The rate of the areas that is left of `rate` after one projection, cells and density 1: r - D G (A^-1 r) / V.
 fn left(water: &Arrangement, matrix: &DMatrix<f64>, rate: &DVector<f64>) -> DVector<f64> {
     let pressures = matrix.clone().lu().solve(rate).expect("A is positive definite");
     let cells = &water.cells;
-    let kick = |i: usize| {
-        operators::pressure_difference(cells, i, pressures.as_slice()) / cells.cells[i].filled.clamp(0.5, 2.0)
-    };
+    let moved = |i: usize| cells.cells[i].filled.clamp(MOVED[0], MOVED[1]);
+    let kick = |i: usize| operators::pressure_difference(cells, i, pressures.as_slice()) / moved(i);
     let velocities: Vec<_> = (0..water.positions.len()).map(|i| -kick(i)).collect();
-    let change = |i: usize| {
-        let walls = cells.walls.of(i).iter().map(|wall| velocities[i].dot(&wall.facet.normal) * wall.facet.length());
-        operators::area_rate(cells, i, &velocities) - walls.sum::<f64>()
-    };
-    DVector::from_fn(water.positions.len(), |i, _| rate[i] - change(i))
+    DVector::from_fn(water.positions.len(), |i, _| rate[i] - divergence::rate(water, i, &velocities))
 }
 
-/// A of the cells, with their stiffness or with none.
-fn matrix(water: &Arrangement, stiff: bool) -> DMatrix<f64> {
-    let (cells, count) = (&water.cells, water.positions.len());
-    let stiffness = |cell: &Cell| if stiff { cell.stiffness } else { 1.0 };
-    let mut matrix = DMatrix::zeros(count, count);
-    for (i, cell) in cells.cells.iter().enumerate() {
-        for facet in cells.facets.of(i) {
-            let j = facet.neighbour as usize;
-            let weight = facet.weight() * stiffness(cell).max(stiffness(&cells.cells[j]));
-            matrix[(i, i)] += weight;
-            matrix[(i, j)] -= weight;
-        }
-        if cell.is_open() {
-            matrix[(i, i)] += stiffness(cell) * cell.surface / cell.depth;
+/// A of the cells as they are.
+fn matrix(water: &Arrangement) -> DMatrix<f64> {
+    let sparse = poisson::assembled(water);
+    let mut matrix = DMatrix::zeros(sparse.size(), sparse.size());
+    for row in 0..sparse.size() {
+        matrix[(row, row)] = sparse.diagonal[row];
+        for entry in sparse.entries(row) {
+            matrix[(row, entry.column as usize)] -= f64::from(entry.weight);
         }
     }
     matrix
 }
 
 /// How much an error grows from step to step in the long run.
-fn growth(water: &Arrangement, stiff: bool) -> f64 {
-    let matrix = matrix(water, stiff);
+fn growth(water: &Arrangement) -> f64 {
+    let matrix = matrix(water);
     let mut noise = Noise::new(5);
     let mut rate = DVector::from_fn(water.positions.len(), |_, _| noise.next());
     let mut grown = 0.0;
@@ -65,8 +54,10 @@ fn crowds_on_a_floor_are_damped() {
     let mut noise = Noise::new(13);
     let (mut rings, mut worst): (usize, f64) = (0, 0.0);
     for _ in 0..400 {
-        let water = crowd(&mut noise);
-        let [stiff, without] = [true, false].map(|stiff| growth(&water, stiff));
+        let mut water = crowd(&mut noise);
+        let stiff = growth(&water);
+        water.cells.cells.iter_mut().for_each(|cell| cell.stiffening = 0.0);
+        let without = growth(&water);
         worst = worst.max(stiff);
         rings += usize::from(without > 1.0);
     }
@@ -79,7 +70,7 @@ fn crowds_on_a_floor_are_damped() {
 fn ordinary_cells_are_not_stiffened() {
     for order in ORDERS {
         let water = Arrangement::open(order, 16);
-        let largest = water.cells.cells.iter().map(|cell| cell.stiffness).fold(1.0, f64::max);
+        let largest = water.cells.cells.iter().map(|cell| 1.0 + cell.stiffening).fold(1.0, f64::max);
         assert!(largest == 1.0, "{order:?}: {largest}");
     }
 }
