@@ -13,15 +13,22 @@ pub fn sums<const K: usize>(
 ) -> [f64; K] {
     partial.resize(count.div_ceil(CHUNK), [0.0; K]);
     partial.par_iter_mut().enumerate().for_each(|(chunk, slot)| {
-        let terms = (chunk * CHUNK..((chunk + 1) * CHUNK).min(count)).map(&term);
-        *slot = terms.fold([0.0; K], |sum, term| std::array::from_fn(|k| sum[k] + term[k]));
+        *slot = [0.0; K];
+        (chunk * CHUNK..((chunk + 1) * CHUNK).min(count)).for_each(|i| add(slot, &term(i)));
     });
     total(partial)
 }
 
+#[inline(always)]
+fn add<const K: usize>(sum: &mut [f64; K], term: &[f64; K]) {
+    sum.iter_mut().zip(term).for_each(|(sum, term)| *sum += term);
+}
+
 /// Sums of what chunks added up to.
 pub fn total<const K: usize>(partial: &[[f64; K]]) -> [f64; K] {
-    partial.iter().fold([0.0; K], |sum, term| std::array::from_fn(|k| sum[k] + term[k]))
+    let mut sum = [0.0; K];
+    partial.iter().for_each(|term| add(&mut sum, term));
+    sum
 }
 
 /// Fills `out[i] = value(i)` in parallel.
@@ -56,13 +63,14 @@ pub struct Lists<T> {
 
 #[derive(Debug, Clone)]
 struct ChunkLists<T> {
-    ends: Vec<u32>,
+    /// Where each list begins, and where the last one ends.
+    bounds: Vec<u32>,
     items: Vec<T>,
 }
 
 /// Writes the lists of one chunk, particle after particle.
 pub struct Writer<'a, T> {
-    ends: &'a mut Vec<u32>,
+    bounds: &'a mut Vec<u32>,
     /// Where the entries of the particle go.
     pub items: &'a mut Vec<T>,
 }
@@ -71,7 +79,7 @@ impl<T> Writer<'_, T> {
     /// Ends the list of a particle.
     #[inline(always)]
     pub fn end(&mut self) {
-        self.ends.push(self.items.len() as u32);
+        self.bounds.push(self.items.len() as u32);
     }
 }
 
@@ -94,11 +102,11 @@ impl<T: Send + Sync> Lists<T> {
 
     /// Writers of the lists of all chunks, emptied, for loops that write several things at once.
     pub fn writers(&mut self, count: usize) -> impl IndexedParallelIterator<Item = Writer<'_, T>> {
-        self.chunks.resize_with(count.div_ceil(CHUNK), || ChunkLists { ends: Vec::new(), items: Vec::new() });
-        self.chunks.par_iter_mut().map(|ChunkLists { ends, items }| {
-            ends.clear();
+        self.chunks.resize_with(count.div_ceil(CHUNK), || ChunkLists { bounds: vec![0], items: Vec::new() });
+        self.chunks.par_iter_mut().map(|ChunkLists { bounds, items }| {
+            bounds.truncate(1);
             items.clear();
-            Writer { ends, items }
+            Writer { bounds, items }
         })
     }
 
@@ -114,10 +122,9 @@ impl<T: Send + Sync> Lists<T> {
     /// Changes every entry; `change(i, entry)` gets the particle it belongs to.
     pub fn change(&mut self, change: impl Fn(usize, &mut T) + Sync) {
         self.chunks.par_iter_mut().enumerate().for_each(|(chunk, lists)| {
-            let mut start = 0;
-            for (k, &end) in lists.ends.iter().enumerate() {
-                lists.items[start..end as usize].iter_mut().for_each(|entry| change(chunk * CHUNK + k, entry));
-                start = end as usize;
+            for (k, bounds) in lists.bounds.windows(2).enumerate() {
+                let of_particle = &mut lists.items[bounds[0] as usize..bounds[1] as usize];
+                of_particle.iter_mut().for_each(|entry| change(chunk * CHUNK + k, entry));
             }
         });
     }
@@ -132,7 +139,6 @@ impl<T: Send + Sync> Lists<T> {
     pub fn of(&self, i: usize) -> &[T] {
         let lists = &self.chunks[i / CHUNK];
         let k = i % CHUNK;
-        let start = if k == 0 { 0 } else { lists.ends[k - 1] as usize };
-        &lists.items[start..lists.ends[k] as usize]
+        &lists.items[lists.bounds[k] as usize..lists.bounds[k + 1] as usize]
     }
 }

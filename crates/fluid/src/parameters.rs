@@ -294,6 +294,12 @@ impl Parameters {
         0.5 * self.attraction * place.norm_squared() - self.gravity.dot(place)
     }
 
+    /// Change of that potential energy on a way that ends at `place`; exact, the potential is quadratic.
+    #[inline]
+    pub fn potential_on(&self, way: &Vector2<f64>, place: &Vector2<f64>) -> f64 {
+        ((place - way * 0.5) * self.attraction - self.gravity).dot(way)
+    }
+
     /// Share of its velocity that water at a place keeps over `duration` \[s\].
     #[inline]
     pub fn kept_velocity(&self, place: &Vector2<f64>, duration: f64) -> f64 {

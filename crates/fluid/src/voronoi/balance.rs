@@ -19,7 +19,6 @@ pub struct Balance {
     four: Vec<[f64; 4]>,
     three: Vec<[f64; 3]>,
     all: Vec<[f64; 16]>,
-    load: Vec<f64>,
 }
 
 /// Momentum, angular momentum and energy per mass of a change of velocity at a place.
@@ -45,7 +44,8 @@ impl Balance {
             let (from, to) = (&state.positions[i], &system.positions[i]);
             let (before, after) = (&state.velocities[i], &system.before[i]);
             let kinetic = 0.5 * (after.norm_squared() - before.norm_squared());
-            let potential = parameters.potential(&(to - after * half)) - parameters.potential(from);
+            let way = to - after * half - from;
+            let potential = parameters.potential_on(&way, &(from + way));
             let change = after - before;
             let angular = to.perp(after) - from.perp(before);
             [change.x, change.y, angular, kinetic + potential].map(|value| value * state.areas[i])
@@ -71,10 +71,7 @@ impl Balance {
         let dt = step.length;
         let (force, moment) = system.force_on_fixed_walls(problem, &state.pressures, &mut self.three);
         let walls = Gain { impulse: force, angular: moment, energy: 0.0 } * -dt;
-        self.load.clear();
-        self.load.resize(problem.coordinates(), 0.0);
-        system.add_body_load(problem, &state.pressures, dt, &mut self.load);
-        let bodies = -of_bodies(problem, state, system, end, &self.load);
+        let bodies = of_bodies(problem, state, system, end, &system.body_load) * -dt;
         let [forces, smoothing, pressure, shifting] = self.stages(problem, state, system, changes, dt);
         let gains = &mut state.gains;
         gains.forces += forces;
@@ -103,25 +100,23 @@ impl Balance {
             let (first, last) = (&system.before[i], &state.velocities[i]);
             let mean = (first + last) * 0.5;
             let forced = system.forces[i] * dt;
-            let predicted = first + forced;
-            let way = parameters.potential(middle) - parameters.potential(&(middle - first * half))
-                + parameters.potential(&(place + last * half))
-                - parameters.potential(place);
+            let smoothing = if smoothed { system.velocities[i] - (first + forced) } else { Vector2::zeros() };
+            let (shifted, kicked) = (changes[i], last - changes[i]);
             let mut forces = change(middle, forced, &mean);
-            forces[3] += way;
-            let smoothing = if smoothed { system.velocities[i] - predicted } else { Vector2::zeros() };
-            let kicked = last - changes[i];
-            let shifting = [
-                changes[i].x,
-                changes[i].y,
-                place.perp(last) - middle.perp(&kicked),
-                changes[i].dot(&mean) + parameters.potential(place) - parameters.potential(middle),
+            let (to, from) = (first * half, last * half);
+            forces[3] += parameters.potential_on(&to, middle) + parameters.potential_on(&from, &(place + from));
+            let mut shifting = change(place, shifted, &mean);
+            let way = place - middle;
+            shifting[2] += way.perp(&kicked);
+            shifting[3] += parameters.potential_on(&way, place);
+            let stages = [
+                forces,
+                change(middle, smoothing, &mean),
+                change(middle, kicked - system.velocities[i], &mean),
+                shifting,
             ];
-            let smoothing = change(middle, smoothing, &mean);
-            let pressure = change(middle, kicked - system.velocities[i], &mean);
             let mut terms = [0.0; 16];
-            let all = forces.into_iter().chain(smoothing).chain(pressure).chain(shifting);
-            terms.iter_mut().zip(all).for_each(|(term, value)| *term = value * state.areas[i]);
+            terms.iter_mut().zip(stages.as_flattened()).for_each(|(term, value)| *term = value * state.areas[i]);
             terms
         };
         let sums = parallel::sums(state.positions.len(), &mut self.all, term);
@@ -133,8 +128,8 @@ impl Balance {
         let parameters = &problem.parameters;
         let term = |i: usize| {
             let (place, way) = (&state.positions[i], way(i));
-            let potential = parameters.potential(place) - parameters.potential(&(place - way));
-            [0.0, 0.0, way.perp(&state.velocities[i]), potential].map(|value| value * state.areas[i])
+            [0.0, 0.0, way.perp(&state.velocities[i]), parameters.potential_on(&way, place)]
+                .map(|value| value * state.areas[i])
         };
         let sums = parallel::sums(state.positions.len(), &mut self.four, term);
         state.gains.walls += Gain::from_sums(parameters.density, sums);

@@ -3,7 +3,7 @@
 use super::cell::Cell;
 use super::facet::Facet;
 use super::polygon::{self, Corner, Plane};
-use super::shape::{Around, FAR, Shape, wall_of};
+use super::shape::{Around, FAR, Shape, ShapeBuffers, wall_of};
 use super::tessellate::{self, CellBuffers, GRID};
 use crate::grid::Grid;
 use crate::parallel::{self, CHUNK, Lists};
@@ -111,7 +111,11 @@ impl Cells {
             label if (label as usize) < count => relative_area[label as usize],
             _ => 0.0,
         };
-        let bound = |i: usize, facets: &mut Vec<Facet>, walls: &mut Vec<WallFacet>, cell: &mut Cell| {
+        let bound = |i: usize,
+                     buffers: &mut ShapeBuffers,
+                     facets: &mut Vec<Facet>,
+                     walls: &mut Vec<WallFacet>,
+                     cell: &mut Cell| {
             let own = planes.of(i);
             let plane_of = |label: u32| match wall_of(label, own.len()) {
                 Some(k) => own[k].plane,
@@ -120,7 +124,7 @@ impl Cells {
             };
             let area_of = |label: u32| area_of(i, label);
             let around = Around { planes: &plane_of, relative_area: &area_of, spacing: setup.spacing };
-            let shape = Shape::new(outlines.of(i), around);
+            let shape = Shape::new(outlines.of(i), around, buffers);
             let add = |facet: Facet| match wall_of(facet.neighbour, own.len()) {
                 Some(k) => walls.push(place_on_wall(setup, i, facet, own[k].segment)),
                 None => facets.push(facet),
@@ -131,10 +135,11 @@ impl Cells {
         let lists =
             (self.boundary.writers(count), self.boundary_walls.writers(count), self.cells.par_chunks_mut(CHUNK));
         lists.into_par_iter().enumerate().for_each(|(chunk, (mut facets, mut walls, cells))| {
+            let mut buffers = ShapeBuffers::default();
             for (k, cell) in cells.iter_mut().enumerate() {
                 let i = chunk * CHUNK + k;
                 if !outlines.of(i).is_empty() {
-                    bound(i, facets.items, walls.items, cell);
+                    bound(i, &mut buffers, facets.items, walls.items, cell);
                 }
                 facets.end();
                 walls.end();

@@ -22,10 +22,16 @@ pub fn drift(positions: &mut [Vector2<f64>], velocities: &[Vector2<f64>], durati
     positions.par_iter_mut().zip(velocities).with_min_len(CHUNK).for_each(|(position, u)| *position += u * duration);
 }
 
-/// Adds the impulses of the particles that the bodies stopped, over the communication step of which this is a `share`.
-pub fn add_stopped(state: &mut State, system: &PressureSystem, step: TimeStep) {
+/// Adds the load on the bodies, and the impulses of the particles that they stopped, over the communication step of which
+/// this is a `share`.
+pub fn add_load(state: &mut State, system: &PressureSystem, step: TimeStep) {
     let rate = step.share / step.length;
-    state.load.iter_mut().zip(&system.stopped).for_each(|(load, impulse)| *load += impulse * rate);
+    let of_step = system.body_load.iter().zip(&system.stopped);
+    state
+        .load
+        .iter_mut()
+        .zip(of_step)
+        .for_each(|(load, (force, impulse))| *load += force * step.share + impulse * rate);
 }
 
 /// Adds the added mass, times `share`.

@@ -11,7 +11,7 @@ const APERTURE: f64 = 0.4;
 impl Shape<'_> {
     /// Changes how far corners at the edges of solids lie in empty space.
     pub(super) fn part_at_edges(&mut self) {
-        let own = self.empty;
+        let own = self.buffers.empty;
         for k in 0..self.count {
             if self.is_hidden(k) {
                 let next = self.wrapped(k + 1);
@@ -35,14 +35,14 @@ impl Shape<'_> {
         }
         let spacing = self.around.spacing;
         let mut edge = step(hidden);
-        let bounds = |edge: usize| self.corners[edge].label != BOX && !self.is_hidden(edge);
+        let bounds = |edge: usize| self.buffers.corners[edge].label != BOX && !self.is_hidden(edge);
         while !bounds(edge) && edge != hidden {
             edge = step(edge);
         }
-        let tip = self.corners[start].place;
-        let plane = (self.around.planes)(self.corners[edge].label);
+        let tip = self.buffers.corners[start].place;
+        let plane = (self.around.planes)(self.buffers.corners[edge].label);
         let gap = if edge == hidden { APERTURE * spacing } else { plane.distance - plane.normal.dot(&tip) };
-        let behind = -(self.around.planes)(self.corners[hidden].label).distance / spacing;
+        let behind = -(self.around.planes)(self.buffers.corners[hidden].label).distance / spacing;
         let unseen = smooth_step(behind, [0.0, EDGE]);
         let room = 1.0 - own[end] * unseen * (1.0 - smooth_step(gap / spacing, [0.0, APERTURE]));
         let share = own[end] * room * unseen;
@@ -51,12 +51,12 @@ impl Shape<'_> {
             let last = if back { self.wrapped(edge + 1) } else { edge };
             let mut corner = end;
             while corner != start {
-                self.corners[corner].place = across + (self.corners[corner].place - across) * room;
-                self.empty[corner] *= room;
+                self.buffers.corners[corner].place = across + (self.buffers.corners[corner].place - across) * room;
+                self.buffers.empty[corner] *= room;
                 corner = if corner == last { start } else { step(corner) };
             }
         }
-        self.empty[start] = self.empty[start].max(share);
+        self.buffers.empty[start] = self.buffers.empty[start].max(share);
     }
 
     /// The edge of a solid, corner k, that stands in a facet leaves it when nothing of its sides is left in the cell: before, the
@@ -64,16 +64,17 @@ impl Shape<'_> {
     fn leave_edge(&mut self, own: &[f64; CORNERS], k: usize) {
         let (before, after) = ((k + self.count - 1) % self.count, self.wrapped(k + 1));
         let first = (before + self.count - 1) % self.count;
-        let same = self.corners[first].label == self.corners[after].label;
+        let same = self.buffers.corners[first].label == self.buffers.corners[after].label;
         if self.count < 5 || !same || !self.is_wall(before) || !self.is_wall(k) {
             return;
         }
-        let length = |from: usize, to: usize| (self.corners[to].place - self.corners[from].place).norm();
+        let length =
+            |from: usize, to: usize| (self.buffers.corners[to].place - self.buffers.corners[from].place).norm();
         let size = length(before, k).max(length(k, after)) / self.around.spacing;
         let far = own[first].max(own[self.wrapped(after + 1)]);
         let share = far * (1.0 - smooth_step(size, [0.0, APERTURE]));
         for corner in [before, k, after] {
-            self.empty[corner] = self.empty[corner].max(share);
+            self.buffers.empty[corner] = self.buffers.empty[corner].max(share);
         }
     }
 }

@@ -220,9 +220,9 @@ impl Discretisation for Voronoi {
         let mut watch = Watch::start();
         let Self { system, parameters, shift, unpaid, balance, .. } = self;
         balance.stopped(problem, state, system, end, step.length);
-        system.add_body_load(problem, &state.pressures, step.share, &mut state.load);
+        system.find_body_load(problem, &state.pressures);
         system.sense(problem, &state.pressures, step, &mut state.sensors);
-        correct::add_stopped(state, system, step);
+        correct::add_load(state, system, step);
         correct::add_added_mass(state, system, step.share);
         correct::kick(state, system, problem, step.length);
         shift.plan(&state.areas, system, problem, parameters, step.length);
@@ -261,12 +261,12 @@ impl Discretisation for Voronoi {
     ) -> Result<(), Error> {
         let free = !problem.geometry.active.is_empty();
         let mut scratch = state.clone();
-        scratch.load.fill(0.0);
         match self.solve(problem, &mut scratch, step, end, report) {
             Err(Error::Pressure { .. }) if !free => return Ok(()),
             solved => solved?,
         }
-        self.system.add_body_load(problem, &scratch.pressures, 1.0, &mut scratch.load);
+        self.system.find_body_load(problem, &scratch.pressures);
+        scratch.load.copy_from_slice(&self.system.body_load);
         for (sensor, probe) in state.sensors.iter_mut().zip(&problem.geometry.probes) {
             sensor.set(self.system.read(problem, &scratch.pressures, probe));
         }

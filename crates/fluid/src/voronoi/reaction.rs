@@ -14,7 +14,7 @@ use crate::parallel;
 use crate::problem::Problem;
 use crate::walls::FIXED;
 use kinematics::SurfacePoint;
-use nalgebra::Vector2;
+use nalgebra::{DVector, Vector2};
 
 /// Force on a facet with the pressure at the particle \[Pa\] and its slopes at the foot and along the facet \[Pa/m\].
 fn force(facet: &Facet, pressure: f64, slope: f64, slope_along: f64) -> Vector2<f64> {
@@ -25,7 +25,7 @@ fn force(facet: &Facet, pressure: f64, slope: f64, slope_along: f64) -> Vector2<
 impl PressureSystem {
     /// Sum over the wall facets of cell i of their pressure slope times length and arm: what walls add to G p \[N/m\].
     pub fn wall_difference(&self, problem: &Problem, i: usize) -> Vector2<f64> {
-        if self.cells.is_isolated(i) {
+        if self.cells.walls.of(i).is_empty() || self.cells.is_isolated(i) {
             return Vector2::zeros();
         }
         let fixed = self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED).map(|wall| {
@@ -33,7 +33,8 @@ impl PressureSystem {
             force(&wall.facet, 0.0, slope, slope)
         });
         let moving = self.unit_pressures.of(i).map(|(moving, work)| {
-            let [slope, along] = self.wall_slopes(problem, moving, work);
+            let [slope, along] =
+                [&self.accelerations, &self.expected].map(|a| self.wall_slope(problem, moving, work, a));
             force(&moving.wall.facet, 0.0, slope, along)
         });
         fixed.sum::<Vector2<f64>>() + moving.sum::<Vector2<f64>>()
@@ -44,12 +45,16 @@ impl PressureSystem {
         problem.parameters.density * self.forces[i].dot(&facet.normal)
     }
 
-    /// Normal pressure gradient on a moving facet \[Pa/m\], with the wall's mean acceleration over the step, and with the one
-    /// expected before.
-    pub fn wall_slopes(&self, problem: &Problem, moving: &MovingFacet, work: &[f64]) -> [f64; 2] {
+    /// Normal pressure gradient on a moving facet with these `accelerations` of the coordinates \[Pa/m\].
+    pub fn wall_slope(
+        &self,
+        problem: &Problem,
+        moving: &MovingFacet,
+        work: &[f64],
+        accelerations: &DVector<f64>,
+    ) -> f64 {
         let force = self.forces[moving.particle as usize].dot(&moving.wall.facet.normal);
-        [&self.accelerations, &self.expected]
-            .map(|rates| problem.parameters.density * (force - UnitPressures::normal_rate(work, rates)))
+        problem.parameters.density * (force - UnitPressures::normal_rate(work, accelerations))
     }
 
     /// What the step puts on bodies whatever their acceleration: forces along walls, and those of facets that close cells
@@ -60,14 +65,14 @@ impl PressureSystem {
         load.resize(problem.coordinates(), 0.0);
         if !load.is_empty() {
             for (moving, work) in self.unit_pressures.facets_with_work() {
-                let [_, along] = self.wall_slopes(problem, moving, work);
+                let along = self.wall_slope(problem, moving, work, &self.expected);
                 let (i, facet) = (moving.particle as usize, &moving.wall.facet);
                 let push = self.push_on_wall(i, facet, expected[i], problem.spacing);
                 let force = turn(&facet.normal) * (along * facet.moment_along()) + push;
                 self.add_on_panel(problem, moving.wall.panel, moving.wall.fraction, force, &mut load);
             }
-            for i in (0..expected.len()).filter(|&i| !self.cells.is_isolated(i)) {
-                for wall in self.closures(i) {
+            for i in 0..expected.len() {
+                for wall in self.closures(i).filter(|_| !self.cells.is_isolated(i)) {
                     let Some((panel, fraction)) = self.nearest_wall(i) else { continue };
                     let slope = self.weight_slope(problem, i, &wall.facet);
                     self.add_on_panel(
@@ -118,7 +123,7 @@ impl PressureSystem {
 
     /// Force on the facets that close cell i, as far as no wall and no body gets it \[N/m\].
     pub fn unpaid_at_closures(&self, problem: &Problem, pressures: &[f64], i: usize) -> Vector2<f64> {
-        if self.cells.is_isolated(i) {
+        if self.cells.walls.of(i).is_empty() || self.cells.is_isolated(i) {
             return Vector2::zeros();
         }
         let of_closure = |wall: &WallFacet| match self.nearest_wall(i) {
@@ -137,15 +142,17 @@ impl PressureSystem {
         if problem.geometry.active.is_empty() { pressures[i] } else { self.base[i] }
     }
 
-    /// Adds the load of the pressure on the moving panels to `load`, times `share`, by virtual work.
-    pub fn add_body_load(&self, problem: &Problem, pressures: &[f64], share: f64, load: &mut [f64]) {
+    /// Finds the load of the pressure on the moving panels, by virtual work.
+    pub fn find_body_load(&mut self, problem: &Problem, pressures: &[f64]) {
+        let mut load = std::mem::take(&mut self.body_load);
+        load.clone_from(&self.steady_load);
         for (moving, work) in self.unit_pressures.facets_with_work() {
-            let [slope, _] = self.wall_slopes(problem, moving, work);
             let facet = &moving.wall.facet;
-            let force = (pressures[moving.particle as usize] + slope * facet.height) * facet.length() * share;
+            let slope = self.wall_slope(problem, moving, work, &self.accelerations);
+            let force = (pressures[moving.particle as usize] + slope * facet.height) * facet.length();
             load.iter_mut().zip(work).for_each(|(load, work)| *load += force * work);
         }
-        load.iter_mut().zip(&self.steady_load).for_each(|(load, steady)| *load += steady * share);
+        self.body_load = load;
     }
 
     /// Force of the water on the fixed walls, and its moment about the origin \[N/m, N m/m\].
@@ -157,10 +164,11 @@ impl PressureSystem {
     ) -> (Vector2<f64>, f64) {
         let term = |i: usize| {
             let mut sum = [0.0; 3];
-            if self.cells.is_isolated(i) {
+            let walls = self.cells.walls.of(i);
+            if walls.is_empty() || self.cells.is_isolated(i) {
                 return sum;
             }
-            for wall in self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED) {
+            for wall in walls.iter().filter(|wall| wall.panel == FIXED) {
                 if wall.is_closure && self.nearest_wall(i).is_none_or(|(panel, _)| panel != FIXED) {
                     continue;
                 }

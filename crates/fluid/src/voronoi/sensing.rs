@@ -95,7 +95,8 @@ impl PressureSystem {
                 let facet = &moving.wall.facet;
                 let covered = patch.covered(&self.positions[i], facet, spacing);
                 if covered > 0.0 {
-                    force += covered * (pressures[i] + self.wall_slopes(problem, moving, work)[0] * facet.height);
+                    let slope = self.wall_slope(problem, moving, work, &self.accelerations);
+                    force += covered * (pressures[i] + slope * facet.height);
                 }
             }
         });

@@ -84,16 +84,23 @@ pub struct Around<'a> {
     pub spacing: f64,
 }
 
-/// The outline of one cell with what lies around it.
-pub struct Shape<'a> {
-    /// Corners of the polygon, counter-clockwise, and their number.
+/// Room for the outline of one cell.
+#[derive(Debug)]
+pub struct ShapeBuffers {
+    /// Corners of the polygon, counter-clockwise.
     pub(super) corners: [Corner; CORNERS],
-    pub(super) count: usize,
-    pub(super) around: Around<'a>,
     /// How far each corner lies in empty space, 0 to 1, or the water ends before it.
     pub(super) empty: [f64; CORNERS],
     /// How far the particle and the one behind each edge hold together where both ends of the edge lie in empty space.
     held: [f64; CORNERS],
+}
+
+/// The outline of one cell with what lies around it.
+pub struct Shape<'a> {
+    pub(super) buffers: &'a mut ShapeBuffers,
+    /// Number of its corners.
+    pub(super) count: usize,
+    pub(super) around: Around<'a>,
 }
 
 /// A cell at one threshold of emptiness.
@@ -104,24 +111,29 @@ struct Level {
     surface: f64,
 }
 
-impl<'a> Shape<'a> {
-    /// An outline with its corners counter-clockwise.
-    pub fn new(corners: &'a [Corner], around: Around<'a>) -> Self {
-        let count = corners.len().min(CORNERS);
+impl Default for ShapeBuffers {
+    fn default() -> Self {
         let nowhere = Corner { place: Vector2::zeros(), label: BOX };
-        let (empty, held) = ([0.0; CORNERS], [1.0; CORNERS]);
-        let mut shape = Self { corners: [nowhere; CORNERS], count, around, empty, held };
-        shape.corners[..count].copy_from_slice(&corners[..count]);
-        (0..count).for_each(|k| shape.empty[k] = shape.emptiness(k));
+        Self { corners: [nowhere; CORNERS], empty: [0.0; CORNERS], held: [1.0; CORNERS] }
+    }
+}
+
+impl<'a> Shape<'a> {
+    /// An outline with its corners counter-clockwise, written to `buffers`.
+    pub fn new(corners: &[Corner], around: Around<'a>, buffers: &'a mut ShapeBuffers) -> Self {
+        let count = corners.len().min(CORNERS);
+        buffers.corners[..count].copy_from_slice(&corners[..count]);
+        let mut shape = Self { buffers, count, around };
+        (0..count).for_each(|k| shape.buffers.empty[k] = shape.emptiness(k));
         if (0..count).any(|k| shape.is_wall(k)) {
             shape.part_at_edges();
         }
-        (0..count).for_each(|k| shape.held[k] = shape.hold(k));
+        (0..count).for_each(|k| shape.buffers.held[k] = shape.hold(k));
         shape
     }
 
     fn place(&self, k: usize) -> Vector2<f64> {
-        self.corners[self.wrapped(k)].place
+        self.buffers.corners[self.wrapped(k)].place
     }
 
     pub(super) fn wrapped(&self, k: usize) -> usize {
@@ -131,19 +143,19 @@ impl<'a> Shape<'a> {
     /// Whether the other cells might see other facets than this one.
     pub fn is_asymmetric(&self, walls: usize) -> bool {
         let limit = (INTERIOR * OPEN * self.around.spacing).powi(2);
-        walls > 0 || self.corners[..self.count].iter().any(|corner| corner.place.norm_squared() > limit)
+        walls > 0 || self.buffers.corners[..self.count].iter().any(|corner| corner.place.norm_squared() > limit)
     }
 
     /// How far corner k lies in empty space: far from its particles, the nearer the more room these have beyond what
     /// their areas fill.
     fn emptiness(&self, k: usize) -> f64 {
-        let distance = self.corners[k].place.norm() / self.around.spacing;
+        let distance = self.buffers.corners[k].place.norm() / self.around.spacing;
         if distance <= OPEN || distance >= FAR {
             return f64::from(u8::from(distance >= FAR));
         }
         let relative_area = self.around.relative_area;
         let (mut sum, mut cells) = (relative_area(BOX), 1.0);
-        for label in [self.corners[(k + self.count - 1) % self.count].label, self.corners[k].label] {
+        for label in [self.buffers.corners[(k + self.count - 1) % self.count].label, self.buffers.corners[k].label] {
             let area = if label == BOX { 0.0 } else { relative_area(label) };
             if area > 0.0 {
                 (sum, cells) = (sum + area, cells + 1.0);
@@ -155,27 +167,29 @@ impl<'a> Shape<'a> {
 
     /// Whether edge k is a wall.
     pub(super) fn is_wall(&self, k: usize) -> bool {
-        let label = self.corners[k].label;
+        let label = self.buffers.corners[k].label;
         label > BOX - MOST_WALLS && label != BOX
     }
 
     /// Whether edge k is a wall that the particle stands behind: the far side of a solid's corner.
     pub(super) fn is_hidden(&self, k: usize) -> bool {
-        self.is_wall(k) && (self.around.planes)(self.corners[k].label).distance <= 0.0
+        self.is_wall(k) && (self.around.planes)(self.buffers.corners[k].label).distance <= 0.0
     }
 
     /// Edge k of the polygon as a facet.
     fn facet(&self, k: usize) -> Facet {
-        let neighbour = self.corners[k].label;
+        let neighbour = self.buffers.corners[k].label;
         let plane = (self.around.planes)(neighbour);
         let along = turn(&plane.normal);
-        let ends = [along.dot(&self.corners[k].place), along.dot(&self.place(k + 1))];
+        let ends = [along.dot(&self.buffers.corners[k].place), along.dot(&self.place(k + 1))];
         Facet::new(neighbour, plane.normal, plane.distance, ends)
     }
 
     /// How far the water holds together across edge k when both its ends lie in empty space.
     fn hold(&self, k: usize) -> f64 {
-        if self.corners[k].label == BOX || self.empty[k].min(self.empty[self.wrapped(k + 1)]) == 0.0 {
+        if self.buffers.corners[k].label == BOX
+            || self.buffers.empty[k].min(self.buffers.empty[self.wrapped(k + 1)]) == 0.0
+        {
             return 1.0;
         }
         let Facet { height, from, to, .. } = self.facet(k);
@@ -185,27 +199,27 @@ impl<'a> Shape<'a> {
 
     /// How edge k bounds the cell whose corners above `threshold` lie in empty space.
     fn bound(&self, k: usize, threshold: f64) -> Bound {
-        let label = self.corners[k].label;
-        match (self.empty[k] > threshold, self.empty[self.wrapped(k + 1)] > threshold) {
+        let label = self.buffers.corners[k].label;
+        match (self.buffers.empty[k] > threshold, self.buffers.empty[self.wrapped(k + 1)] > threshold) {
             _ if label == BOX => Bound::Nothing,
             (false, false) => Bound::Whole,
             (false, true) => Bound::Exit,
             (true, false) => Bound::Entry,
-            (true, true) if self.held[k] > threshold => Bound::Chord,
+            (true, true) if self.buffers.held[k] > threshold => Bound::Chord,
             (true, true) => Bound::Nothing,
         }
     }
 
     /// The cell, of the area `volume` where it is open and the surface can be placed so; `add` receives its facets.
     pub fn cell(&self, volume: f64, mut add: impl FnMut(Facet)) -> Cell {
-        let empty = &self.empty[..self.count];
+        let empty = &self.buffers.empty[..self.count];
         let openness = empty.iter().copied().fold(0.0, f64::max);
         let mut cell = self.closed_part(1.0 - openness);
         cell.openness = openness;
         cell.filled = cell.area + openness * volume;
         let mut threshold = 0.0;
         while threshold < openness {
-            let held = &self.held[..empty.len()];
+            let held = &self.buffers.held[..empty.len()];
             let above = empty.iter().chain(held).copied().filter(|&share| share > threshold);
             let next = above.fold(openness, f64::min);
             let (share, level) = (next - threshold, self.level(threshold, volume));
@@ -227,7 +241,7 @@ impl<'a> Shape<'a> {
             return Cell::default();
         }
         let mut outline = Ring::default();
-        self.corners[..self.count].iter().for_each(|corner| outline.walk(corner.place));
+        self.buffers.corners[..self.count].iter().for_each(|corner| outline.walk(corner.place));
         let (area, centroid) = outline.close();
         Cell::closed(share * area, centroid * share)
     }
@@ -235,8 +249,8 @@ impl<'a> Shape<'a> {
     /// Passes on edge k as a facet. Those to particles end at the free surface once the depths of both cells are known;
     /// those on walls end here.
     fn add_facet(&self, k: usize, depth: f64, add: &mut impl FnMut(Facet)) {
-        let label = self.corners[k].label;
-        let ends = [self.empty[k], self.empty[self.wrapped(k + 1)]];
+        let label = self.buffers.corners[k].label;
+        let ends = [self.buffers.empty[k], self.buffers.empty[self.wrapped(k + 1)]];
         if label == BOX || (ends == [1.0; 2] && self.bound(k, 0.0) == Bound::Nothing) {
             return;
         }
@@ -278,7 +292,7 @@ impl<'a> Shape<'a> {
             if bound == Bound::Nothing {
                 continue;
             }
-            let normal = (self.around.planes)(self.corners[k].label).normal;
+            let normal = (self.around.planes)(self.buffers.corners[k].label).normal;
             if matches!(bound, Bound::Entry | Bound::Chord) {
                 gaps += 1;
             } else {

@@ -38,7 +38,7 @@ impl Shift {
         let close = AtomicBool::new(false);
         self.ways.resize(areas.len(), Vector2::zeros());
         self.changes.resize(areas.len(), Vector2::zeros());
-        parallel::fill(&mut self.ways, |i| {
+        let way_of = |i: usize| {
             let cell = &cells[i];
             if system.cells.facets.of(i).iter().any(|facet| facet.height < TOO_CLOSE * problem.spacing) {
                 close.store(true, Relaxed);
@@ -57,10 +57,13 @@ impl Shift {
                 way = way * (1.0 - cell.openness) + along * cell.openness;
             }
             way
+        };
+        let both = self.ways.par_iter_mut().zip(&mut self.changes).with_min_len(CHUNK).enumerate();
+        both.for_each(|(i, (way, change))| {
+            *way = way_of(i);
+            *change = change_along(system, i, way);
         });
         self.some_are_close = close.into_inner();
-        let ways = &self.ways;
-        parallel::fill(&mut self.changes, |i| change_along(system, i, &ways[i]));
     }
 
     /// Shifts particles and velocities. What was `taken` back of a velocity still moves the particle through the step: it

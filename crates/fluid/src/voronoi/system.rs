@@ -52,6 +52,8 @@ pub struct PressureSystem {
     pub expected: DVector<f64>,
     /// What the step puts on the bodies' coordinates whatever their accelerations \[N/m, N m/m, modal\].
     pub steady_load: Vec<f64>,
+    /// What it puts on them all in all.
+    pub body_load: Vec<f64>,
     /// Walls near each particle.
     pub proximities: Lists<WallProximity>,
     /// Cells in the middle of the step.
@@ -100,6 +102,7 @@ impl Default for PressureSystem {
             accelerations: DVector::zeros(0),
             expected: DVector::zeros(0),
             steady_load: Vec::new(),
+            body_load: Vec::new(),
             proximities: Lists::default(),
             cells: Cells::default(),
             forces: Vec::new(),

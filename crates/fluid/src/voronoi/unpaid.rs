@@ -23,17 +23,16 @@ use rayon::prelude::*;
 /// Least and largest area of a cell over its particle's own whose mass moves with the cell: one beyond is pushed as one of this
 /// area, with its weight. A splinter between two walls that close on it would be thrown out at any speed.
 pub(super) const MOVED: [f64; 2] = [0.5, 2.0];
-/// How often unpaid impulses are exchanged with neighbours, and the share of the difference that a facet as long as the
-/// particles are apart exchanges.
-const EXCHANGES: usize = 2;
+/// Share of the difference of their unpaid impulses that two neighbours exchange, twice, if the facet between them is as long
+/// as they are apart.
 const EXCHANGED: f64 = 0.2;
 
 /// What is taken back of each particle's velocity.
 #[derive(Debug, Default)]
 pub struct Unpaid {
-    /// Impulses per density \[m3/s\], then velocities.
     taken: Vec<Vector2<f64>>,
-    scratch: Vec<Vector2<f64>>,
+    /// Impulses of shifts per density that were exchanged once \[m3/s\].
+    once: Vec<Vector2<f64>>,
     partial: Vec<[f64; 3]>,
 }
 
@@ -65,6 +64,13 @@ impl PressureSystem {
     }
 }
 
+/// An impulse of particle i after every pair of neighbours evened out a share of the difference of theirs.
+fn evened(system: &PressureSystem, i: usize, impulse: impl Fn(usize) -> Vector2<f64>) -> Vector2<f64> {
+    let own = impulse(i);
+    let from = |facet: &Facet| (impulse(facet.neighbour as usize) - own) * (EXCHANGED * facet.weight().min(1.0));
+    own + system.cells.facets.of(i).iter().map(from).sum::<Vector2<f64>>()
+}
+
 impl Unpaid {
     /// Takes back what the pressure gave beyond what was paid, and what the `changes` of velocity of shifted particles give.
     pub fn take_back(
@@ -75,20 +81,18 @@ impl Unpaid {
         changes: &[Vector2<f64>],
         time_step: f64,
     ) {
-        let Self { taken, scratch, .. } = self;
-        taken.resize(state.positions.len(), Vector2::zeros());
-        scratch.resize(state.positions.len(), Vector2::zeros());
-        parallel::fill(taken, |i| changes[i] * state.areas[i]);
-        for _ in 0..EXCHANGES {
-            self.exchange(system);
-        }
         let rest = self.rest(state, system, problem, time_step);
-        let areas = &state.areas;
-        parallel::update(&mut self.taken, |i, impulse| {
-            impulse / areas[i] + if system.cells.is_isolated(i) { Vector2::zeros() } else { rest }
+        let State { areas, velocities, .. } = state;
+        let Self { taken, once, .. } = self;
+        taken.resize(areas.len(), Vector2::zeros());
+        once.resize(areas.len(), Vector2::zeros());
+        parallel::fill(once, |i| evened(system, i, |j| changes[j] * areas[j]));
+        let both = taken.par_iter_mut().zip(velocities).with_min_len(CHUNK).enumerate();
+        both.for_each(|(i, (taken, velocity))| {
+            let of_all = if system.cells.is_isolated(i) { Vector2::zeros() } else { rest };
+            *taken = evened(system, i, |j| once[j]) / areas[i] + of_all;
+            *velocity -= *taken;
         });
-        let velocities = state.velocities.par_iter_mut().zip(&self.taken).with_min_len(CHUNK);
-        velocities.for_each(|(velocity, taken)| *velocity -= taken);
     }
 
     /// Velocities that were taken back \[m/s\].
@@ -114,16 +118,5 @@ impl Unpaid {
         };
         let [x, y, volume] = parallel::sums(state.positions.len(), &mut self.partial, term);
         if volume > 0.0 { Vector2::new(x, y) / volume } else { Vector2::zeros() }
-    }
-
-    /// Every pair of neighbours evens out a share of the difference of theirs.
-    fn exchange(&mut self, system: &PressureSystem) {
-        let taken = &self.taken;
-        parallel::fill(&mut self.scratch, |i| {
-            let own = taken[i];
-            let from = |facet: &Facet| (taken[facet.neighbour as usize] - own) * (EXCHANGED * facet.weight().min(1.0));
-            own + system.cells.facets.of(i).iter().map(from).sum::<Vector2<f64>>()
-        });
-        std::mem::swap(&mut self.taken, &mut self.scratch);
     }
 }
