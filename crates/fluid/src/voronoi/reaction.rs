@@ -71,17 +71,12 @@ impl PressureSystem {
                 let force = turn(&facet.normal) * (along * facet.moment_along()) + push;
                 self.add_on_panel(problem, moving.wall.panel, moving.wall.fraction, force, &mut load);
             }
-            for i in 0..expected.len() {
+            for (i, &pressure) in expected.iter().enumerate() {
                 for wall in self.closures(i).filter(|_| !self.cells.is_isolated(i)) {
                     let Some((panel, fraction)) = self.nearest_wall(i) else { continue };
                     let slope = self.weight_slope(problem, i, &wall.facet);
-                    self.add_on_panel(
-                        problem,
-                        panel,
-                        fraction,
-                        force(&wall.facet, expected[i], slope, slope),
-                        &mut load,
-                    );
+                    let push = force(&wall.facet, pressure, slope, slope);
+                    self.add_on_panel(problem, panel, fraction, push, &mut load);
                 }
             }
         }
