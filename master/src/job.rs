@@ -167,8 +167,10 @@ impl Job {
             error: outcome.error.as_ref().map(ToString::to_string),
             scheme: self.metadata.scheme.clone(),
             spacing: self.metadata.spacing,
-            particles: particles(&outcome.series),
+            particles: last(&outcome.series, ".particles.count"),
             steps: outcome.counts.steps,
+            jumps_per_step: last(&outcome.series, ".cells.jumps")
+                .map(|jumps| jumps / outcome.counts.steps.max(1) as f64),
             simulated_seconds: outcome.simulated,
             wall_seconds: outcome.wall,
             stages: outcome.stages.table(),
@@ -202,8 +204,8 @@ impl Job {
     }
 }
 
-/// The last number of particles, of whichever participant counts them.
-fn particles(series: &Series) -> Option<f64> {
-    let column = series.columns.iter().find(|column| column.name.ends_with(".particles.count"))?;
+/// The last value of a count, of whichever participant gives it.
+fn last(series: &Series, ending: &str) -> Option<f64> {
+    let column = series.columns.iter().find(|column| column.name.ends_with(ending))?;
     column.values.last().copied()
 }

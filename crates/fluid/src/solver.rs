@@ -131,6 +131,7 @@ impl Solver {
             number_densities: vec![self.discretisation.full_density(); count],
             surface: vec![false; count],
             lost: 0,
+            jumps: 0,
             sensors: vec![Sensor::default(); self.problem.geometry.probes.len()],
             gains: Gains::default(),
         };

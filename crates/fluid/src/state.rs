@@ -42,6 +42,8 @@ pub struct State {
     pub surface: Vec<bool>,
     /// Particles that left the domain and were removed.
     pub lost: usize,
+    /// Cells so far that changed faster than a step can follow; none with the scheme `mps`.
+    pub jumps: u64,
     /// What the pressure probes read.
     pub sensors: Vec<Sensor>,
     /// What changed momentum, angular momentum and energy so far.
@@ -77,6 +79,7 @@ impl Clone for State {
             number_densities: Vec::new(),
             surface: Vec::new(),
             lost: 0,
+            jumps: 0,
             sensors: Vec::new(),
             gains: Gains::default(),
         };
@@ -87,7 +90,7 @@ impl Clone for State {
     /// Keeps the memory: every step begins with a copy.
     fn clone_from(&mut self, source: &Self) {
         (self.time, self.steps, self.time_step) = (source.time, source.steps, source.time_step);
-        (self.lost, self.gains) = (source.lost, source.gains);
+        (self.lost, self.jumps, self.gains) = (source.lost, source.jumps, source.gains);
         self.sensors.clone_from(&source.sensors);
         self.motion.clone_from(&source.motion);
         self.load.clone_from(&source.load);

@@ -29,6 +29,7 @@ fn a_dam_break_throws_nothing_out() {
             fastest = fastest.max(seen.maximum_speed / column.falling_speed());
         }
         assert_eq!(state.lost, 0, "jitter {jitter}");
+        assert!(state.jumps > 0, "jitter {jitter}: no cell jumped, though the front breaks");
         assert!(fastest < 3.5, "jitter {jitter}: a particle reached {fastest} sqrt(2 g H)");
         assert!(rise < 0.015, "jitter {jitter}: the energy rose by {rise} of that of the column");
     }

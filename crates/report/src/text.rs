@@ -66,6 +66,7 @@ pub(super) fn facts(summary: &Summary) -> Vec<(&'static str, String)> {
     rows.push(("iterations per step, mean", format!("{:.2}", coupling.mean_iterations)));
     rows.push(("iterations per step, most", coupling.maximum_iterations.to_string()));
     rows.push(("steps repeated smaller", coupling.rollbacks.to_string()));
+    rows.extend(summary.jumps_per_step.map(|jumps| ("cells that jumped, per step", Short(jumps).to_string())));
     let percent = |gain: f64| format!("{:.2} % of the energy of the run", 100.0 * gain);
     rows.extend(summary.energy_gain.map(|gain| ("energy gained that nothing supplied, at most", percent(gain))));
     rows

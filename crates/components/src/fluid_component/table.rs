@@ -247,6 +247,15 @@ fn numbers() -> Vec<Row> {
             "unit responses that the last step rests on, one per coordinate that answers to the load",
             |this, _| this.state.progress.as_ref().map_or(0, |progress| progress.report.responses),
         ),
+        Row::integer(
+            386,
+            "cells.jumps",
+            "cells so far that changed faster than a step can follow, as where voids close in a splash (scheme voronoi)",
+            |this, _| {
+                let jumps = this.state.progress.as_ref().map_or(0, |progress| progress.state.jumps);
+                i32::try_from(jumps).unwrap_or(i32::MAX)
+            },
+        ),
     ]
 }
 

@@ -239,6 +239,7 @@ impl Discretisation for Voronoi {
             balance.kept_in_front(problem, state, |i| self.end_walls.stops[i].way);
         }
         report.contacts += system.contacts + kept;
+        state.jumps += system.jumps;
         watch.lap(&mut report.stages.gradient);
         correct::record(state, &self.system);
         watch.lap(&mut report.stages.other);

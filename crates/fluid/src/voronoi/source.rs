@@ -14,6 +14,7 @@
 //! length would find another rest; the difference is carried over, within the rest itself, and not asked for at once.
 
 use super::cells::Cells;
+use super::facet::Facet;
 use super::operators;
 use super::system::PressureSystem;
 use super::unit_pressures::UnitPressures;
@@ -31,6 +32,9 @@ const MEASURED: f64 = 0.5;
 const LARGEST_CARRIED: f64 = 20.0;
 /// Share of the carried rate that remains after a step.
 const KEPT: f64 = 0.99;
+/// What one step may change of the rate of an area at one and the same velocity, over V |grad u|, beyond twice what the motion
+/// in the step can change; more is a jump. Waves, drops and sloshing change up to 0.1 of it.
+const JUMP: f64 = 0.25;
 /// Largest share of its area that a cell is taken to be too large or too small by.
 const LARGEST_EXCESS: f64 = 0.5;
 
@@ -41,6 +45,8 @@ pub struct Asked {
     rate: f64,
     /// What the last step left of its rate beyond what one as long as this one would have left.
     carried: f64,
+    /// Whether the cell changed faster than a step can follow: a facet that opens or closes, a neighbour that comes or goes.
+    jumps: bool,
 }
 
 impl PressureSystem {
@@ -58,9 +64,10 @@ impl PressureSystem {
             let volume = state.areas[i];
             let excess = system.cells.cells[i].area - volume;
             let excess = excess.clamp(-LARGEST_EXCESS * volume, LARGEST_EXCESS * volume);
-            let Asked { rate, carried } = system.second_order(i, state, time_step);
-            Asked { rate: rate - share * excess / time_step, carried }
+            let asked = system.second_order(i, state, time_step);
+            Asked { rate: asked.rate - share * excess / time_step, ..asked }
         });
+        self.jumps = asked.iter().filter(|asked| asked.jumps).count() as u64;
         self.asked = asked;
     }
 
@@ -70,7 +77,7 @@ impl PressureSystem {
         let second = self.cells.cells[i].trust() * state.areas[i] * gradient.determinant();
         let last_step = state.time_step;
         if last_step == 0.0 {
-            return Asked { rate: -second * time_step, carried: 0.0 };
+            return Asked { rate: -second * time_step, ..Asked::default() };
         }
         let AreaRate { left, asked, due } = state.area_rates[i];
         let both = time_step + last_step;
@@ -82,7 +89,19 @@ impl PressureSystem {
         let rest = left - asked;
         let carried = due * time_step / last_step - rest;
         let bound = (LARGEST_CARRIED * both * scale).min(rest.abs());
-        Asked { rate: -change * time_step, carried: KEPT * carried.clamp(-bound, bound) }
+        let jumps = self.jumps_by((now - left) / state.areas[i], i, both);
+        Asked { rate: -change * time_step, carried: KEPT * carried.clamp(-bound, bound), jumps }
+    }
+
+    /// Whether a change of the relative rate of the area of cell i is more than a step can follow, with the gradient of the velocity
+    /// and where this vanishes, at the turn of a flow, with the steepest slope to a neighbour.
+    fn jumps_by(&self, change: f64, i: usize, both: f64) -> bool {
+        let exceeds = |slope: f64| change.abs() > (JUMP + 2.0 * both * slope) * slope;
+        exceeds(self.gradients[i].norm()) && {
+            let slope =
+                |facet: &Facet| (self.before[facet.neighbour as usize] - self.before[i]).norm() / (2.0 * facet.height);
+            exceeds(self.cells.facets.of(i).iter().map(slope).fold(0.0, f64::max))
+        }
     }
 
     /// Rate of the area of cell i with the given velocities, the gradient of the velocity there, and rates of the body.
@@ -110,7 +129,7 @@ impl PressureSystem {
             let gradient = || operators::velocity_gradient(cells, i, positions, velocities);
             let gradient = if open { gradient() } else { Matrix2::zeros() };
             let left = self.area_rate(i, velocities, &gradient, rates);
-            let Asked { rate, carried } = self.asked[i];
+            let Asked { rate, carried, .. } = self.asked[i];
             AreaRate { left, asked: rate, due: left - rate + carried }
         });
     }

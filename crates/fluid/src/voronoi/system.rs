@@ -68,6 +68,8 @@ pub struct PressureSystem {
     pub gradients: Vec<Matrix2<f64>>,
     /// What the areas of cells ask for in this step.
     pub(super) asked: Vec<Asked>,
+    /// Cells that changed faster than the step can follow.
+    pub jumps: u64,
     /// Right side without the accelerations of moving walls \[Pa\].
     pub source: Vec<f64>,
     /// Matrix of the pressure.
@@ -110,6 +112,7 @@ impl Default for PressureSystem {
             smoothed: Vec::new(),
             gradients: Vec::new(),
             asked: Vec::new(),
+            jumps: 0,
             source: Vec::new(),
             matrix: Matrix::default(),
             multigrid: Multigrid::default(),

@@ -78,6 +78,9 @@ pub struct Summary {
     pub particles: Option<f64>,
     /// Accepted steps.
     pub steps: u64,
+    /// Cells of the fluid that changed faster than a step can follow, per accepted step, if a participant counts them.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub jumps_per_step: Option<f64>,
     /// Simulated time \[s\].
     pub simulated_seconds: f64,
     /// Wall-clock time of the run \[s\].
