@@ -162,7 +162,8 @@ fn means(scene: &Scene) -> Vec<String> {
     let layout = interface.layout();
     let loads = layout.coordinates().map(|coordinate| interface.load(coordinate));
     let pressures = interface.probes.iter().map(|probe| Interface::pressure(probe));
-    pressures.chain(loads).map(|name| format!("{FLUID}.{name}")).collect()
+    let on_walls = ["wall.force_x", "wall.force_y"].map(str::to_string);
+    pressures.chain(loads).chain(on_walls).map(|name| format!("{FLUID}.{name}")).collect()
 }
 
 fn maxima(scene: &Scene) -> Vec<String> {

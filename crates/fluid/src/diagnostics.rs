@@ -15,7 +15,7 @@ pub struct Observables {
     pub probes: Vec<f64>,
     /// Water in each region \[kg/m\].
     pub region_masses: Vec<f64>,
-    /// Force of the water on the fixed walls \[N/m\].
+    /// Force of the water on the fixed walls \[N/m\], mean over the last communication step with the scheme `voronoi`.
     pub wall_force: Vector2<f64>,
     /// Largest x that water reaches, half a spacing beyond the outermost particle that has company \[m\].
     pub front: f64,
@@ -45,15 +45,14 @@ pub struct Observables {
     pub lost: usize,
 }
 
-/// Computes the quantities of `state`, those of its outline from that: the front is its farthest point, the force on the
-/// walls that on its cells.
+/// Computes the quantities of `state`, those of its outline from that: the front is its farthest point.
 pub fn observe(problem: &Problem, state: &State, outline: &Outline) -> Observables {
     let (extent, farthest) = outline.extent();
     let Sums { kinetic_energy, potential_energy, momentum, centre, angular_momentum } = sums(problem, state);
     Observables {
         probes: state.sensors.iter().map(|sensor| sensor.mean).collect(),
         region_masses: problem.geometry.regions.iter().map(|region| weigh(problem, state, region)).collect(),
-        wall_force: outline.fixed_wall_force(),
+        wall_force: state.wall_force,
         front: extent[1].x,
         kinetic_energy,
         potential_energy,

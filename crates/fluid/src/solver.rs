@@ -132,6 +132,7 @@ impl Solver {
             surface: vec![false; count],
             lost: 0,
             jumps: 0,
+            wall_force: Vector2::zeros(),
             sensors: vec![Sensor::default(); self.problem.geometry.probes.len()],
             gains: Gains::default(),
         };
@@ -225,6 +226,7 @@ impl Solver {
     ) -> Result<Report, Error> {
         let mut report = Report::default();
         candidate.load.fill(0.0);
+        candidate.wall_force = Vector2::zeros();
         candidate.added_mass.fill(0.0);
         candidate.sensors.iter_mut().for_each(Sensor::begin);
         let mut done = 0.0;

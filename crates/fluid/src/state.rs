@@ -21,6 +21,8 @@ pub struct State {
     pub motion: Motion,
     /// Load on the generalised coordinates, mean over the last communication step \[N/m, N m/m, modal\].
     pub load: Vec<f64>,
+    /// Force on the fixed walls, mean over the last communication step \[N/m\]; zero with the scheme `mps`.
+    pub wall_force: Vector2<f64>,
     /// Mean acceleration of the coordinates over the last communication step, which the load belongs to.
     pub acceleration: Vec<f64>,
     /// Added mass of the coordinates, row after row, mean over the last communication step; zero for coordinates that
@@ -69,6 +71,7 @@ impl Clone for State {
             time_step: 0.0,
             motion: Motion::zeros(self.motion.size()),
             load: Vec::new(),
+            wall_force: Vector2::zeros(),
             acceleration: Vec::new(),
             added_mass: Vec::new(),
             positions: Vec::new(),
@@ -91,6 +94,7 @@ impl Clone for State {
     fn clone_from(&mut self, source: &Self) {
         (self.time, self.steps, self.time_step) = (source.time, source.steps, source.time_step);
         (self.lost, self.jumps, self.gains) = (source.lost, source.jumps, source.gains);
+        self.wall_force = source.wall_force;
         self.sensors.clone_from(&source.sensors);
         self.motion.clone_from(&source.motion);
         self.load.clone_from(&source.load);

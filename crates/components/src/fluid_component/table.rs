@@ -138,12 +138,20 @@ fn places(interface: &Interface) -> Vec<Row> {
 fn figures() -> Vec<Row> {
     let row = |reference, name: &str, meaning: &str, kind, get| Row::real(reference, name, meaning, kind, get);
     vec![
-        row(360, "wall.force_x", "force of the water on the fixed walls, along X", "Force", |this, _| {
-            figure(this, |seen| seen.wall_force.x)
-        }),
-        row(361, "wall.force_y", "force of the water on the fixed walls, along Y", "Force", |this, _| {
-            figure(this, |seen| seen.wall_force.y)
-        }),
+        row(
+            360,
+            "wall.force_x",
+            "force of the water on the fixed walls along X, mean over the last step",
+            "Force",
+            |this, _| figure(this, |seen| seen.wall_force.x),
+        ),
+        row(
+            361,
+            "wall.force_y",
+            "force of the water on the fixed walls along Y, mean over the last step",
+            "Force",
+            |this, _| figure(this, |seen| seen.wall_force.y),
+        ),
         row(362, "front.x", "largest X that coherent water reaches", "Length", |this, _| {
             figure(this, |seen| seen.front)
         }),

@@ -60,6 +60,7 @@ impl Solver {
             length(name, list.len(), expected)?;
             usable(name, list.iter())?;
         }
+        usable("wall_force", state.wall_force.iter())?;
         usable("time, time_step", [state.time, state.time_step].iter())?;
         length("sensors", state.sensors.len(), self.problem.geometry.probes.len())?;
         let readings = state.sensors.iter().flat_map(|sensor| [sensor.mean, sensor.largest, sensor.impulse]);

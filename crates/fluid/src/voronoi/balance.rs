@@ -57,6 +57,16 @@ impl Balance {
         state.gains.walls += all - bodies;
     }
 
+    /// Force of the water on the fixed walls with the given pressures \[N/m\].
+    pub fn force_on_fixed_walls(
+        &mut self,
+        problem: &Problem,
+        system: &PressureSystem,
+        pressures: &[f64],
+    ) -> Vector2<f64> {
+        system.force_on_fixed_walls(problem, pressures, &mut self.three).0
+    }
+
     /// Everything from the middle of the step on; after particles and velocities were shifted, with the `changes` of velocity
     /// that this made, and before the particles move on.
     pub fn moved(

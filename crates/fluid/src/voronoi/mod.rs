@@ -218,6 +218,7 @@ impl Discretisation for Voronoi {
     ) -> Result<(), Error> {
         self.solve(problem, state, step, end, report)?;
         let mut watch = Watch::start();
+        let paid_before = state.gains.walls.impulse;
         let Self { system, parameters, shift, unpaid, balance, .. } = self;
         balance.stopped(problem, state, system, end, step.length);
         system.find_body_load(problem, &state.pressures);
@@ -238,6 +239,7 @@ impl Discretisation for Voronoi {
         if kept > 0 {
             balance.kept_in_front(problem, state, |i| self.end_walls.stops[i].way);
         }
+        state.wall_force += (paid_before - state.gains.walls.impulse) * (step.share / step.length);
         report.contacts += system.contacts + kept;
         state.jumps += system.jumps;
         watch.lap(&mut report.stages.gradient);
@@ -271,6 +273,7 @@ impl Discretisation for Voronoi {
         for (sensor, probe) in state.sensors.iter_mut().zip(&problem.geometry.probes) {
             sensor.set(self.system.read(problem, &scratch.pressures, probe));
         }
+        state.wall_force = self.balance.force_on_fixed_walls(problem, &self.system, &scratch.pressures);
         state.load = scratch.load;
         state.pressures = scratch.pressures;
         state.acceleration.copy_from_slice(state.motion.acceleration.as_slice());

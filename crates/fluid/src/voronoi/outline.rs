@@ -3,17 +3,15 @@
 use super::cells::{Cells, Setup};
 use super::facet::turn;
 use crate::parallel::Lists;
-use crate::parameters::Parameters;
 use crate::problem::Problem;
 use crate::state::State;
-use crate::walls::{FIXED, Walls};
+use crate::walls::Walls;
 use nalgebra::Vector2;
 use std::borrow::Cow;
 
 /// The cells of a state, for looking at it.
 pub struct Outline<'a> {
     state: &'a State,
-    parameters: &'a Parameters,
     spacing: f64,
     cells: Cow<'a, Cells>,
 }
@@ -22,7 +20,7 @@ impl<'a> Outline<'a> {
     /// Of a state with its cells.
     pub fn of(problem: &'a Problem, state: &'a State, cells: &'a Cells) -> Self {
         let cells = Cow::Borrowed(cells);
-        Self { state, parameters: &problem.parameters, spacing: problem.spacing, cells }
+        Self { state, spacing: problem.spacing, cells }
     }
 
     /// Of a state whose cells are cut out between `walls`.
@@ -37,7 +35,7 @@ impl<'a> Outline<'a> {
             walls,
             spacing: problem.spacing,
         });
-        Self { state, parameters: &problem.parameters, spacing: problem.spacing, cells: Cow::Owned(cells) }
+        Self { state, spacing: problem.spacing, cells: Cow::Owned(cells) }
     }
 
     /// Area of all cells \[m2\].
@@ -114,20 +112,6 @@ impl<'a> Outline<'a> {
                 }
             }
         }
-    }
-
-    /// Force of the water on the fixed walls \[N/m\].
-    pub fn fixed_wall_force(&self) -> Vector2<f64> {
-        let mut force = Vector2::zeros();
-        for (i, position) in self.state.positions.iter().enumerate() {
-            for wall in self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.is_closure) {
-                let facet = &wall.facet;
-                let slope =
-                    self.parameters.density * self.parameters.body_force(position, self.state.time).dot(&facet.normal);
-                force += facet.normal * (facet.length() * (self.state.pressures[i] + slope * facet.height));
-            }
-        }
-        force
     }
 }
 
