@@ -51,8 +51,9 @@ def readings(folder, count):
             at = series.index.get_loc(time)
             before, after = (series.iloc[k] if 0 <= k < len(series) else np.nan for k in (at - 1, at + 1))
             sensor = name.removeprefix("fluid.probe.").removesuffix(".pressure")
+            usual = median[time] if median[time] > 0.0 else np.nan
             row = {"reading [Pa]": series[time], "time [s]": time, "sensor": sensor, "before": before, "after": after}
-            rows.append({**row, "over median": series[time] / median[time], "run": str(folder)})
+            rows.append({**row, "over median": series[time] / usual, "run": str(folder)})
     return rows
 
 
