@@ -13,6 +13,8 @@ const WIDTH: f64 = 1100.0;
 const TITLE: f64 = 24.0;
 const BAR: f64 = 90.0;
 const LABELS: (f64, f64) = (62.0, 42.0);
+/// Largest height of a panel over its width: a tall jet is shown smaller, with room beside it.
+const TALLEST: f64 = 1.2;
 
 /// One moment.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -140,7 +142,9 @@ impl View {
             return Self { x: (0.0, 1.0), y: (0.0, 1.0) };
         }
         let room = 0.04 * (high[0] - low[0]).max(high[1] - low[1]).max(1e-9);
-        Self { x: (low[0] - room, high[0] + room), y: (low[1] - room, high[1] + room) }
+        let (width, height) = (high[0] - low[0] + 2.0 * room, high[1] - low[1] + 2.0 * room);
+        let beside = 0.5 * (height / TALLEST - width).max(0.0);
+        Self { x: (low[0] - room - beside, high[0] + room + beside), y: (low[1] - room, high[1] + room) }
     }
 }
 
