@@ -287,13 +287,16 @@ def run_bundled(plimsoll, overrides, folder):
     return header, np.array(rows, dtype=float)
 
 
-def real_columns(header):
-    """Place, participant and variable of every real output in the table; integers are counters of the solvers."""
-    counters = {"particles.count", "particles.lost"}
+def real_columns(header, folder):
+    """Place, participant and variable of every real output in the table, by the types of the model descriptions."""
+    reals = {}
+    for owner in ("fluid", "structure"):
+        description = read_model_description(str(folder / f"{owner}.fmu"))
+        reals[owner] = {variable.name for variable in description.modelVariables if variable.type == "Real"}
     columns = []
     for place, title in enumerate(header[1:], start=1):
         owner, _, name = title.split(" [")[0].partition(".")
-        if name not in counters and not name.startswith("solver."):
+        if name in reals.get(owner, ()):
             columns.append((place, owner, name))
     return columns
 
@@ -302,7 +305,9 @@ def compare(method, folder, plimsoll):
     overrides = {**COMMON, **METHODS[method], "coupling.method": method}
     with tempfile.TemporaryDirectory() as target:
         header, bundled = run_bundled(plimsoll, overrides, Path(target))
-    columns = real_columns(header)
+    columns = real_columns(header, folder)
+    if len(columns) < 20:
+        raise ValueError(f"only {len(columns)} columns of results.csv are real variables of the FMUs: are the names right?")
     text = "; ".join(f"{key}={value}" for key, value in overrides.items())
     ours, passes = couple(folder, text, method, [(owner, name) for _, owner, name in columns])
     if len(ours) != len(bundled):
