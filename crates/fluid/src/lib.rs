@@ -17,6 +17,7 @@ mod balance;
 mod diagnostics;
 mod discretisation;
 mod error;
+mod gas;
 mod grid;
 mod linear;
 mod motion;

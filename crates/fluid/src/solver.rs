@@ -4,6 +4,7 @@ use crate::Error;
 use crate::balance::{Gain, Gains};
 use crate::diagnostics::Observables;
 use crate::discretisation::Discretisation;
+use crate::gas::Space;
 use crate::grid::bounding_box;
 use crate::motion::interpolate;
 use crate::mps::Mps;
@@ -99,6 +100,14 @@ impl Solver {
     /// Corners at which a gap too narrow for a particle was closed, and its width \[m\].
     pub fn closed_gaps(&self) -> impl Iterator<Item = (Vector2<f64>, f64)> {
         self.problem.gaps.iter().map(|gap| (gap.corner, gap.width))
+    }
+
+    /// Space without water at the start that walls, bodies and water close off from the open air, each with its area
+    /// \[m2\] to within the noise of a spacing along its outline, and its middle \[m\].
+    pub fn pockets(&self) -> Vec<(f64, Vector2<f64>)> {
+        let mut space = Space::default();
+        space.find(&self.start, &self.problem.walls(&self.at_rest().position), self.problem.spacing);
+        space.pockets().collect()
     }
 
     /// Whether the scheme gives an added mass.
