@@ -180,7 +180,15 @@ fn labels(scene: &Scene) -> BTreeMap<String, String> {
     let probes = fluid.probe.iter().flat_map(scene::Probe::labels).map(|label| named(Interface::pressure, label));
     let regions = fluid.region.iter().map(|region| named(Interface::mass, region.name.clone()));
     let gauges = fluid.gauge.iter().map(|gauge| named(Interface::level, gauge.name.clone()));
-    probes.chain(regions).chain(gauges).collect()
+    let gas = scene.gas.iter();
+    let chambers = gas.clone().flat_map(|gas| &gas.chamber).flat_map(|chamber| {
+        [0, 1, 2].map(|k: usize| {
+            let variable = Interface::chamber(&scene::identifier(&chamber.name))[k].clone();
+            (format!("{FLUID}.{variable}"), chamber.name.clone())
+        })
+    });
+    let vents = gas.flat_map(|gas| &gas.vent).map(|vent| named(Interface::flow, vent.name.clone()));
+    probes.chain(regions).chain(gauges).chain(chambers).chain(vents).collect()
 }
 
 /// Whether the text of a file is a case rather than a scene: it lists FMUs, in whichever way. Text that is no TOML is

@@ -160,6 +160,8 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
         start: start(&part.start),
         jitter: fluid::Jitter { amplitude: part.start.jitter, seed: part.start.seed },
         gauges: part.gauge.iter().map(|gauge| gauge.x).collect(),
+        chambers: scene.gas.iter().flat_map(|gas| &gas.chamber).map(|part| chamber(scene, part)).collect(),
+        vents: scene.gas.iter().flat_map(|gas| &gas.vent).map(|part| vent(scene, part)).collect(),
     };
     let parameters = fluid::Parameters {
         density: part.density,
@@ -173,6 +175,7 @@ pub fn fluid(scene: &Scene) -> Result<(fluid::Parameters, fluid::Geometry), Erro
             scene::Scheme::Mps => fluid::Scheme::Mps(part.mps.clone()),
         },
         solve: part.solve.clone(),
+        gas: scene.gas.as_ref().map(gas),
         threads: part.threads,
     };
     Ok((parameters, geometry))
@@ -210,6 +213,25 @@ fn probes(scene: &Scene, probe: &scene::Probe) -> impl Iterator<Item = fluid::Pr
 
 fn region(scene: &Scene, region: &scene::Region) -> fluid::Region {
     fluid::Region { polygon: vectors(&region.polygon), on_body: carrier(scene, region.on_body.as_ref()) }
+}
+
+fn gas(gas: &scene::Gas) -> fluid::GasParameters {
+    fluid::GasParameters { exponent: gas.exponent, ambient: gas.ambient, density: gas.density }
+}
+
+fn chamber(scene: &Scene, chamber: &scene::Chamber) -> fluid::Chamber {
+    let on_body = carrier(scene, chamber.on_body.as_ref());
+    fluid::Chamber { place: vector(chamber.point), on_body, pressure: chamber.pressure }
+}
+
+fn vent(scene: &Scene, vent: &scene::Vent) -> fluid::Vent {
+    fluid::Vent {
+        place: vector(vent.point),
+        to: vent.to.map(vector),
+        on_body: carrier(scene, vent.on_body.as_ref()),
+        area: vent.area,
+        discharge: vent.discharge,
+    }
 }
 
 fn damping(zone: &scene::DampingZone) -> fluid::DampingZone {

@@ -1,5 +1,6 @@
 //! The fluid: water between fixed walls and around a body whose motion comes from outside.
 
+mod gas;
 mod instruments;
 mod runtime;
 mod table;

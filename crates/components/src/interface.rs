@@ -36,6 +36,10 @@ pub const IMPULSE: Reference = 6_600_000;
 pub const REGION: Reference = 7_000_000;
 /// Reference of the first water level.
 pub const GAUGE: Reference = 8_000_000;
+/// Reference of the pressure of the gas at the first chamber; its volume and mass follow, then those of the others.
+pub const CHAMBER: Reference = 8_300_000;
+/// Reference of the flow through the first vent.
+pub const VENT: Reference = 8_600_000;
 /// Reference of the deflection of the middle of the first member; that of its tip follows, then those of the others.
 pub const DEFLECTION: Reference = 9_000_000;
 /// Reference of Young's modulus of the first member.
@@ -67,6 +71,15 @@ pub struct Interface {
     /// Level gauges.
     #[serde(default)]
     pub gauges: Vec<String>,
+    /// Whether there is gas.
+    #[serde(default)]
+    pub gas: bool,
+    /// Places where gas is read.
+    #[serde(default)]
+    pub chambers: Vec<String>,
+    /// Vents.
+    #[serde(default)]
+    pub vents: Vec<String>,
     /// Bodies.
     #[serde(default)]
     pub bodies: Vec<BodyNames>,
@@ -96,7 +109,7 @@ pub struct MemberNames {
 impl Interface {
     /// The interface of a validated scene.
     pub fn of(scene: &Scene) -> Self {
-        let fluid = || scene.fluid.iter();
+        let (fluid, gas) = (|| scene.fluid.iter(), || scene.gas.iter());
         let member = |member: &scene::Member| MemberNames { name: identifier(&member.name), modes: member.modes };
         let body = |body: &scene::Body| BodyNames {
             name: identifier(&body.name),
@@ -112,6 +125,9 @@ impl Interface {
             impulses: labels(|probe| probe.threshold.is_some()),
             regions: fluid().flat_map(|fluid| &fluid.region).map(|region| identifier(&region.name)).collect(),
             gauges: fluid().flat_map(|fluid| &fluid.gauge).map(|gauge| identifier(&gauge.name)).collect(),
+            gas: scene.gas.is_some(),
+            chambers: gas().flat_map(|gas| &gas.chamber).map(|chamber| identifier(&chamber.name)).collect(),
+            vents: gas().flat_map(|gas| &gas.vent).map(|vent| identifier(&vent.name)).collect(),
             bodies: scene.body.iter().map(body).collect(),
         }
     }
@@ -231,6 +247,16 @@ impl Interface {
     /// Name of the level at a gauge.
     pub fn level(gauge: &str) -> String {
         format!("gauge.{gauge}.level")
+    }
+
+    /// Names of what is read of the gas at a place: pressure, volume, mass.
+    pub fn chamber(chamber: &str) -> [String; 3] {
+        ["pressure", "volume", "mass"].map(|what| format!("chamber.{chamber}.{what}"))
+    }
+
+    /// Name of the flow through a vent.
+    pub fn flow(vent: &str) -> String {
+        format!("vent.{vent}.flow")
     }
 
     /// The body of a coordinate, and its member if it is a mode.

@@ -3,7 +3,7 @@
 use fmi::{SimpleType, Unit};
 
 /// Name, exponents of kg, m, s, rad. Units of modal quantities have square roots and thus no exponents.
-const UNITS: [(&str, Option<[i8; 4]>); 24] = [
+const UNITS: [(&str, Option<[i8; 4]>); 25] = [
     ("m", Some([0, 1, 0, 0])),
     ("m/s", Some([0, 1, -1, 0])),
     ("m/s2", Some([0, 1, -2, 0])),
@@ -19,6 +19,7 @@ const UNITS: [(&str, Option<[i8; 4]>); 24] = [
     ("Pa", Some([1, -1, -2, 0])),
     ("Pa.s", Some([1, -1, -1, 0])),
     ("kg/m", Some([1, -1, 0, 0])),
+    ("kg/(m.s)", Some([1, -1, -1, 0])),
     ("J/m", Some([1, 1, -2, 0])),
     ("N.s/m", Some([1, 0, -1, 0])),
     ("s", Some([0, 0, 1, 0])),
@@ -31,7 +32,7 @@ const UNITS: [(&str, Option<[i8; 4]>); 24] = [
 ];
 
 /// Name, quantity, unit, meaning. Mechanical quantities are per metre of width.
-const TYPES: [(&str, &str, &str, &str); 26] = [
+const TYPES: [(&str, &str, &str, &str); 27] = [
     ("Displacement", "Length", "m", "displacement from the pose in the scene"),
     ("Velocity", "Velocity", "m/s", "velocity"),
     ("Acceleration", "Acceleration", "m/s2", "acceleration"),
@@ -47,6 +48,7 @@ const TYPES: [(&str, &str, &str, &str); 26] = [
     ("Pressure", "Pressure", "Pa", "pressure or modulus"),
     ("PressureImpulse", "PressureImpulse", "Pa.s", "impulse of a pressure per area"),
     ("Mass", "MassPerWidth", "kg/m", "mass per metre of width"),
+    ("MassFlow", "MassFlowPerWidth", "kg/(m.s)", "mass per time and metre of width"),
     ("Energy", "EnergyPerWidth", "J/m", "energy per metre of width"),
     ("Momentum", "MomentumPerWidth", "N.s/m", "momentum per metre of width"),
     ("Duration", "Time", "s", "duration"),

@@ -129,11 +129,13 @@ pub struct Gains {
     pub smoothing: Gain,
     /// Particles that are shifted, and their velocities that follow.
     pub shifting: Gain,
+    /// Gas in pockets that pushes on the surface. Energy: its work there.
+    pub gas: Gain,
 }
 
 impl Gains {
     /// Names of the terms, and what they are.
-    pub const NAMES: [(&'static str, &'static str); 9] = [
+    pub const NAMES: [(&'static str, &'static str); 10] = [
         ("forces", "gravity, attraction and shaking"),
         ("damping", "damping zones"),
         ("lost", "particles that left the domain"),
@@ -143,12 +145,13 @@ impl Gains {
         ("contacts", "collisions (scheme mps)"),
         ("smoothing", "smoothing of the velocity"),
         ("shifting", "shifted particles, whose velocities follow"),
+        ("gas", "gas in pockets (scheme voronoi): its pressure on the surface"),
     ];
 
     /// The terms in the order of their names.
-    pub fn terms(&self) -> [Gain; 9] {
-        let Self { forces, damping, lost, walls, bodies, projection, contacts, smoothing, shifting } = *self;
-        [forces, damping, lost, walls, bodies, projection, contacts, smoothing, shifting]
+    pub fn terms(&self) -> [Gain; 10] {
+        let Self { forces, damping, lost, walls, bodies, projection, contacts, smoothing, shifting, gas } = *self;
+        [forces, damping, lost, walls, bodies, projection, contacts, smoothing, shifting, gas]
     }
 
     /// All together.

@@ -40,12 +40,13 @@ mod walls;
 pub use balance::{Gain, Gains};
 pub use diagnostics::Observables;
 pub use error::Error;
+pub use gas::{Account, Gas, GasParameters, Pocket, Reading};
 pub use linear::SolveParameters;
 pub use mps::images::{Image, Mirror};
 pub use mps::kernel::Kernel;
 pub use parameters::{
-    AffineVelocity, DampingZone, Geometry, Jitter, MpsParameters, Parameters, Probe, Region, Scheme, Shaking, Source,
-    VoronoiParameters,
+    AffineVelocity, Chamber, DampingZone, Geometry, Jitter, MpsParameters, Parameters, Probe, Region, Scheme, Shaking,
+    Source, Vent, VoronoiParameters,
 };
 pub use report::{Report, StageTimes};
 pub use sensors::Sensor;

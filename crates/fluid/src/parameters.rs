@@ -1,6 +1,7 @@
 //! Parameters of the fluid solver and the geometry it works on, validated once.
 
 use crate::Error;
+use crate::gas::GasParameters;
 use crate::linear::SolveParameters;
 use keys::keys;
 use kinematics::BodySet;
@@ -29,6 +30,8 @@ pub struct Parameters {
     pub scheme: Scheme,
     /// Pressure solver.
     pub solve: SolveParameters,
+    /// Gas in what is closed off from the open air; none takes all space without water for open air.
+    pub gas: Option<GasParameters>,
     /// Threads of the solver's own pool; 0 takes all processors.
     pub threads: usize,
 }
@@ -45,6 +48,7 @@ impl Default for Parameters {
             spacing: 0.01,
             scheme: Scheme::Voronoi(VoronoiParameters::default()),
             solve: SolveParameters::default(),
+            gas: None,
             threads: 0,
         }
     }
@@ -189,6 +193,32 @@ impl From<Vector2<f64>> for Probe {
     }
 }
 
+/// A place where gas is read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chamber {
+    /// Place in the scene's pose \[m\].
+    pub place: Vector2<f64>,
+    /// The body that it moves with, by its index; none for the scene.
+    pub on_body: Option<usize>,
+    /// Absolute pressure of its gas at the start \[Pa\]; none for that of the open air.
+    pub pressure: Option<f64>,
+}
+
+/// An opening through which gas leaves or enters a pocket.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vent {
+    /// A place in the pocket, in the scene's pose \[m\].
+    pub place: Vector2<f64>,
+    /// A place in the pocket at its other end; none for the open air.
+    pub to: Option<Vector2<f64>>,
+    /// The body that it moves with, by its index; none for the scene.
+    pub on_body: Option<usize>,
+    /// Area per width \[m\].
+    pub area: f64,
+    /// Discharge coefficient.
+    pub discharge: f64,
+}
+
 /// A region whose water is weighed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
@@ -219,6 +249,10 @@ pub struct Geometry {
     pub regions: Vec<Region>,
     /// Abscissae where the water level is reported \[m\].
     pub gauges: Vec<f64>,
+    /// Places where gas is read.
+    pub chambers: Vec<Chamber>,
+    /// Openings through which gas flows.
+    pub vents: Vec<Vent>,
 }
 
 /// A random displacement of every particle at the start. Runs that differ in the seed alone say how far an impact
@@ -318,6 +352,7 @@ impl Parameters {
         within("shaking.amplitude.y", self.shaking.amplitude.y, -1e6, 1e6)?;
         within("shaking.period", self.shaking.period, 1e-6, 1e9)?;
         self.damping.iter().try_for_each(DampingZone::validate)?;
+        self.gas.iter().try_for_each(GasParameters::check)?;
         Ok(self.solve.check()?)
     }
 }

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::balance::{Gain, Gains};
 use crate::diagnostics::Observables;
 use crate::discretisation::Discretisation;
-use crate::gas::Space;
+use crate::gas::{Gas, Reading, Space};
 use crate::grid::bounding_box;
 use crate::motion::interpolate;
 use crate::mps::Mps;
@@ -107,7 +107,7 @@ impl Solver {
     pub fn pockets(&self) -> Vec<(f64, Vector2<f64>)> {
         let mut space = Space::default();
         space.find(&self.start, &self.problem.walls(&self.at_rest().position), self.problem.spacing);
-        space.pockets().collect()
+        space.found().collect()
     }
 
     /// Whether the scheme gives an added mass.
@@ -144,6 +144,11 @@ impl Solver {
             wall_force: Vector2::zeros(),
             sensors: vec![Sensor::default(); self.problem.geometry.probes.len()],
             gains: Gains::default(),
+            gas: Gas {
+                chambers: vec![Reading::default(); self.problem.geometry.chambers.len()],
+                vents: vec![0.0; self.problem.geometry.vents.len()],
+                ..Gas::default()
+            },
         };
         Order::default().sort(&mut state, self.problem.spacing);
         state
@@ -238,6 +243,7 @@ impl Solver {
         candidate.wall_force = Vector2::zeros();
         candidate.added_mass.fill(0.0);
         candidate.sensors.iter_mut().for_each(Sensor::begin);
+        candidate.gas.begin();
         let mut done = 0.0;
         while done < duration {
             let now = self.limits_now(candidate);

@@ -1,6 +1,7 @@
 //! Everything that must survive a step.
 
 use crate::balance::Gains;
+use crate::gas::Gas;
 use crate::parallel::CHUNK;
 use crate::sensors::Sensor;
 use kinematics::Motion;
@@ -50,6 +51,8 @@ pub struct State {
     pub sensors: Vec<Sensor>,
     /// What changed momentum, angular momentum and energy so far.
     pub gains: Gains,
+    /// Gas in pockets; none where the parameters have none.
+    pub gas: Gas,
 }
 
 /// What a step leaves of the rate of a cell's area, which the next one goes on from \[m2/s\].
@@ -85,6 +88,7 @@ impl Clone for State {
             jumps: 0,
             sensors: Vec::new(),
             gains: Gains::default(),
+            gas: Gas::default(),
         };
         state.clone_from(self);
         state
@@ -107,6 +111,7 @@ impl Clone for State {
         self.area_rates.clone_from(&source.area_rates);
         self.number_densities.clone_from(&source.number_densities);
         self.surface.clone_from(&source.surface);
+        self.gas.clone_from(&source.gas);
     }
 }
 
@@ -119,6 +124,9 @@ impl State {
         hash.add(self.time_step.to_bits());
         for part in [&self.motion.position, &self.motion.velocity, &self.motion.acceleration] {
             part.iter().for_each(|value| hash.add(value.to_bits()));
+        }
+        for pocket in &self.gas.pockets {
+            [pocket.volume, pocket.rate, pocket.pressure].iter().for_each(|value| hash.add(value.to_bits()));
         }
         partial.resize(self.positions.len().div_ceil(CHUNK), 0);
         let places = (self.positions.par_chunks(CHUNK), self.velocities.par_chunks(CHUNK));

@@ -196,7 +196,7 @@ fn families(wanted: &Wanted, series: &Series) -> Vec<(String, Chart)> {
 
 /// Place of a variable's chart: what is looked for first stands first, modal coordinates last.
 fn rank(name: &str) -> usize {
-    const FIRST: [&str; 5] = [".deflection", ".probe.", ".region.", ".gauge.", ".motion."];
+    const FIRST: [&str; 7] = [".deflection", ".probe.", ".region.", ".gauge.", ".chamber.", ".vent.", ".motion."];
     if [".motion.q", ".motion.vq", ".motion.aq"].iter().any(|mode| name.contains(mode)) {
         return FIRST.len() + 1;
     }
@@ -211,7 +211,9 @@ fn title(column: &Column) -> String {
 fn stem(name: &str) -> String {
     let parts: Vec<&str> = name.split('.').collect();
     match parts.as_slice() {
-        [participant, kind @ ("probe" | "region" | "gauge"), _, quantity] => format!("{participant}.{kind}.{quantity}"),
+        [participant, kind @ ("probe" | "region" | "gauge" | "chamber" | "vent"), _, quantity] => {
+            format!("{participant}.{kind}.{quantity}")
+        }
         [all @ .., _] => all.join("."),
         [] => String::new(),
     }

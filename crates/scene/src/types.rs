@@ -1,6 +1,6 @@
 //! The types that a scene file deserialises into. Field names are the keys of the file.
 
-use crate::{Body, Check, Gauge, Integrator, Member, Probe, Quick, Region};
+use crate::{Body, Check, Gas, Gauge, Integrator, Member, Probe, Quick, Region};
 use fluid::{MpsParameters, SolveParameters, VoronoiParameters};
 use keys::keys;
 use schemars::JsonSchema;
@@ -26,6 +26,8 @@ keys! {
         output: Output = Output::default();
         /// The water and its walls; absent in a scene of bodies alone.
         fluid: Option<Fluid> = None;
+        /// Gas in what is closed off from the open air; absent where all space without water is open.
+        gas: Option<Gas> = None;
         /// Bodies with their flexible members; none in a scene of the fluid alone.
         body: Vec<Body> = Vec::new();
         /// Time integration of the bodies.

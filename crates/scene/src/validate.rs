@@ -1,5 +1,6 @@
 //! The ranges of every value of a scene. Geometry that needs more than one part is checked where it is built.
 
+use crate::gas::{carried, validate_gas};
 use crate::validate_bodies::validate_bodies;
 use crate::*;
 use digits::six;
@@ -132,6 +133,7 @@ impl Scene {
         if let Some(fluid) = &self.fluid {
             validate_fluid(&check, fluid, &self.body)?;
         }
+        validate_gas(&check, self)?;
         validate_bodies(&check, &self.body)?;
         check.keys("integrator", self.integrator.check())?;
         self.coupling.validate(name, self.run.communication_step)?;
@@ -221,13 +223,7 @@ fn validate_instruments(check: &Checker, fluid: &Fluid, bodies: &[Body]) -> Resu
     let probes = fluid.probe.iter().map(|probe| &probe.on_body).enumerate().map(|(i, on)| ("probe", i, on));
     let regions = fluid.region.iter().map(|region| &region.on_body).enumerate().map(|(i, on)| ("region", i, on));
     for (list, index, carrier) in probes.chain(regions) {
-        let Some(name) = carrier.as_ref().filter(|name| bodies.iter().all(|body| !body.is_called(name))) else {
-            continue;
-        };
-        let known: Vec<_> = bodies.iter().map(|body| format!("'{}'", body.name)).collect();
-        let known = if known.is_empty() { "this scene has none".to_string() } else { known.join(", ") };
-        let expected = format!("the name of a body: {known}");
-        check.fail(&format!("fluid.{list}[{index}].on_body"), format!("'{name}'"), &expected)?;
+        carried(check, &format!("fluid.{list}[{index}]"), carrier.as_ref(), bodies)?;
     }
     Ok(())
 }

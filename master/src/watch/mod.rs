@@ -1,7 +1,7 @@
 //! A watch over a run: energy that nothing supplied, lost particles, speeds that the energy does not allow.
 //!
 //! The energy is that of water and bodies together, above the lowest point of the scene, less the work of what acts on
-//! them from outside (the shaking of a tank, a constant load). Nothing else supplies any, so it can only fall. Its rise
+//! them from outside (the shaking of a tank, a constant load, gas). Nothing else supplies any, so it can only fall. Its rise
 //! above its least value so far is measured by the energy of the run: the largest kinetic energy so far, the water's
 //! potential energy at the start, and the range of that of the bodies. Particles that are lost take a positive energy with
 //! them. A case of FMUs says neither what supplies energy nor how far things can fall: there, lost particles are counted.
@@ -49,6 +49,8 @@ pub struct Watch {
     reference: Option<Reference>,
     water: Energies,
     body: Energies,
+    /// Work of closed-off gas.
+    gas: Option<Sensor>,
     speed: Option<Sensor>,
     momentum: [Option<Sensor>; 2],
     /// Particles in the domain, and those that were lost.
@@ -71,6 +73,7 @@ impl Watch {
             reference: reference.cloned(),
             water: energies(FLUID),
             body: energies(STRUCTURE),
+            gas: Sensor::find(system, Some(FLUID), "gas.work"),
             speed: Sensor::find(system, Some(FLUID), "maximum_speed"),
             momentum: ["momentum.x", "momentum.y"].map(|name| Sensor::find(system, Some(FLUID), name)),
             particles: ["particles.count", "particles.lost"].map(|name| Sensor::find(system, None, name)),
@@ -98,7 +101,8 @@ impl Watch {
             Ok([read(system, sensors[0].as_ref())?, read(system, sensors[1].as_ref())?])
         };
         let [count, lost] = pair(&self.particles)?;
-        let (water, mut body, momentum) = (pair(&self.water)?, pair(&self.body)?, pair(&self.momentum)?);
+        let (mut water, mut body, momentum) = (pair(&self.water)?, pair(&self.body)?, pair(&self.momentum)?);
+        water[1] -= read(system, self.gas.as_ref())?;
         for (load, sensor) in &self.loaded {
             body[1] -= load * read(system, Some(sensor))?;
         }

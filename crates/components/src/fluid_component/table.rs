@@ -1,6 +1,6 @@
 //! The fluid's table of variables.
 
-use super::FluidComponent;
+use super::{FluidComponent, gas};
 use crate::interface::{ANSWER, GAUGE, IMPULSE, LARGEST, LOADS, MOTIONS, PROBE, REGION, added_masses, family};
 use crate::parameters::{output_rows, scene_rows};
 use crate::{Interface, quantities};
@@ -20,6 +20,7 @@ pub(super) fn model(interface: &Interface) -> Model<FluidComponent> {
         this.added_mass(entry / size, entry % size)
     }));
     variables.extend(places(interface));
+    variables.extend(gas::rows(interface));
     variables.extend(figures());
     variables.extend(shape());
     variables.extend(gains());

@@ -21,6 +21,10 @@ pub struct Matching {
     pub regions: Vec<Option<usize>>,
     /// Level gauges.
     pub gauges: Vec<Option<usize>>,
+    /// Places where gas is read.
+    pub chambers: Vec<Option<usize>>,
+    /// Vents.
+    pub vents: Vec<Option<usize>>,
 }
 
 impl Matching {
@@ -56,6 +60,8 @@ impl Matching {
             ),
             regions: matched(pair(|interface| &interface.regions, Interface::mass))?,
             gauges: matched(pair(|interface| &interface.gauges, Interface::level))?,
+            chambers: matched(pair(|interface| &interface.chambers, |name| Interface::chamber(name)[0].clone()))?,
+            vents: matched(pair(|interface| &interface.vents, Interface::flow))?,
         })
     }
 

@@ -7,11 +7,12 @@
 use crate::grid::{bearable_size, bounding_box};
 use crate::walls::{Segment, Walls};
 use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
 
 /// Label of nodes in water and in solids.
-const NOTHING: u32 = u32::MAX;
+pub const NOTHING: u32 = u32::MAX;
 /// Label of the open air; pockets have those from 1 on.
-const OPEN: u32 = 0;
+pub const OPEN: u32 = 0;
 /// Distance from a particle in spacings within which there is water.
 const WET: f64 = 0.95;
 /// Rows of nodes around everything.
@@ -25,8 +26,8 @@ const FRONT: u8 = 4;
 const BACK: u8 = 8;
 
 /// Labels of the nodes of a lattice.
-#[derive(Debug, Clone, Default)]
-struct Labels {
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Labels {
     /// Distance of nodes \[m\].
     size: f64,
     /// Lattice coordinates of the first node.
@@ -37,6 +38,37 @@ struct Labels {
 }
 
 impl Labels {
+    /// Whether nothing was looked for yet.
+    pub fn is_empty(&self) -> bool {
+        self.labels.is_empty()
+    }
+
+    /// Whether there is a label for every node and a pocket, of `count`, for every label.
+    pub fn are_sound(&self, count: usize) -> bool {
+        let known = |label: &u32| *label == NOTHING || *label as usize <= count;
+        let places = self.corner.iter().all(|corner| corner.unsigned_abs() < 1 << 40);
+        self.columns.checked_mul(self.rows) == Some(self.labels.len()) && places && self.labels.iter().all(known)
+    }
+
+    /// Label of a node by its lattice coordinates.
+    fn of(&self, node: [i64; 2]) -> u32 {
+        self.index(node).map_or(NOTHING, |index| self.labels[index])
+    }
+
+    /// Nodes with gas at most `rings` before and after a place, with their labels and places.
+    pub fn near(&self, place: &Vector2<f64>, rings: i64) -> impl Iterator<Item = (u32, Vector2<f64>)> {
+        let [column, row] = self.node_before(place);
+        let rows = row - rings + 1..=row + rings;
+        let nodes = rows.flat_map(move |row| (column - rings + 1..=column + rings).map(move |column| [column, row]));
+        nodes.map(|node| (self.of(node), self.place(node))).filter(|(label, _)| *label != NOTHING)
+    }
+
+    /// The label of every node with gas and the label of the same node in `other`.
+    pub fn pairs<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = (u32, u32)> + 'a {
+        let gas = self.labels.iter().enumerate().filter(|(_, label)| **label != NOTHING);
+        gas.map(move |(at, &label)| (label, other.of(self.node_at(at))))
+    }
+
     /// Lattice coordinates of the node before a place.
     fn node_before(&self, place: &Vector2<f64>) -> [i64; 2] {
         std::array::from_fn(|axis| (place[axis] / self.size - OFFSET[axis]).floor() as i64)
@@ -120,8 +152,20 @@ impl Space {
         }
     }
 
+    /// Labels of the nodes.
+    pub fn labels(&self) -> &Labels {
+        &self.labels
+    }
+
+    /// Index of the pocket at a place; none in water, solids and open air.
+    pub fn pocket_at(&self, place: &Vector2<f64>) -> Option<usize> {
+        let near = self.labels.near(place, 1).filter(|(label, _)| *label != OPEN);
+        let nearest = near.min_by(|a, b| (a.1 - place).norm_squared().total_cmp(&(b.1 - place).norm_squared()));
+        nearest.map(|(label, _)| label as usize - 1)
+    }
+
     /// Area and middle of every pocket.
-    pub fn pockets(&self) -> impl Iterator<Item = (f64, Vector2<f64>)> {
+    pub fn found(&self) -> impl Iterator<Item = (f64, Vector2<f64>)> {
         let area = self.labels.size * self.labels.size;
         self.found.iter().map(move |found| (f64::from(found.nodes) * area, found.centre))
     }

@@ -240,7 +240,7 @@ mod tests {
         // A quarter of sum w r^2 on the lattice.
         let lattice = (-3_i32..=3).flat_map(|x| (-3_i32..=3).map(move |y| f64::from(x * x + y * y)));
         let kappa = 0.25 * lattice.filter(|r2| *r2 > 0.0).map(|r2| (3.1 / r2.sqrt() - 1.0).max(0.0) * r2).sum::<f64>();
-        multigrid.set_up(&matrix, points, 1.0, kappa);
+        multigrid.set_up(&matrix.row_sums, points, 1.0, kappa);
         let b = points.iter().map(|point| 1.0 + (point.x * 0.37).sin() * (point.y * 0.21).cos()).collect();
         (matrix, multigrid, b)
     }

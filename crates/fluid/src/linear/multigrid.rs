@@ -62,15 +62,16 @@ struct Vectors<const K: usize> {
 }
 
 impl Multigrid {
-    /// Sets up the hierarchy for a matrix whose rows stand at `points`; `kappa` is n0 lambda / 4.
-    pub fn set_up(&mut self, matrix: &Matrix, points: &[Vector2<f64>], spacing: f64, kappa: f64) {
+    /// Sets up the hierarchy for a matrix whose first rows stand at `points`, tied to zero by `row_sums`; rows that stand nowhere
+    /// are smoothed alone. `kappa` is n0 lambda / 4.
+    pub fn set_up(&mut self, row_sums: &[f64], points: &[Vector2<f64>], spacing: f64, kappa: f64) {
         self.depth = 0;
         if points.is_empty() {
             return;
         }
         let size = CELL * spacing;
         self.bin(points, spacing, size);
-        self.collect_moments(matrix);
+        self.collect_moments(row_sums);
         self.levels[0].assemble(&self.moments, kappa / (size * size));
         self.depth = 1;
         while self.levels[self.depth - 1].size() > DIRECT {
@@ -136,14 +137,14 @@ impl Multigrid {
         parallel::fill(&mut self.cell_of, |row| map[place_of[row] as usize]);
     }
 
-    fn collect_moments(&mut self, matrix: &Matrix) {
+    fn collect_moments(&mut self, row_sums: &[f64]) {
         let (starts, order, local) = (&self.starts, &self.order, &self.local);
         self.moments.resize(self.levels[0].cells.len(), Moments::default());
         parallel::fill(&mut self.moments, |cell| {
             let mut moments = Moments::default();
             for &row in &order[starts[cell] as usize..starts[cell + 1] as usize] {
                 let [a, b] = local[row as usize].map(f64::from);
-                moments.add(a, b, matrix.row_sums[row as usize]);
+                moments.add(a, b, row_sums[row as usize]);
             }
             moments
         });
@@ -204,7 +205,7 @@ impl Multigrid {
 
     fn prolong_to_particles<const K: usize>(&self, values: &[[f32; K]], z: &mut [[f32; K]]) {
         let (cell_of, local, corners) = (&self.cell_of, &self.local, &self.levels[0].corners);
-        z.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(row, z)| {
+        z[..cell_of.len()].par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(row, z)| {
             let weights = corner_weights(&local[row]);
             for (&corner, weight) in corners[cell_of[row] as usize].iter().zip(weights) {
                 z.iter_mut().zip(&values[corner as usize]).for_each(|(z, value)| *z += weight * value);

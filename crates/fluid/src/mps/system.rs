@@ -170,7 +170,7 @@ impl PressureSystem {
         self.unknowns.assemble(&self.around, &self.surface, closed, &mut self.matrix);
         let mut points = std::mem::take(&mut self.points);
         self.unknowns.gather_positions(&self.positions, &mut points);
-        self.multigrid.set_up(&self.matrix, &points, problem.spacing, method.laplacian_scale());
+        self.multigrid.set_up(&self.matrix.row_sums, &points, problem.spacing, method.laplacian_scale());
         self.points = points;
         self.gather_source();
         self.key = key;

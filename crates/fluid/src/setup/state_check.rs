@@ -66,6 +66,7 @@ impl Solver {
         let readings = state.sensors.iter().flat_map(|sensor| [sensor.mean, sensor.largest, sensor.impulse]);
         usable("sensors", readings.collect::<Vec<_>>().iter())?;
         usable("gains", state.gains.terms().iter().flat_map(|gain| gain.numbers()).collect::<Vec<_>>().iter())?;
+        self.check_gas(state)?;
         if state.time_step < 0.0 {
             return refuse("time_step", state.time_step, "at least 0 s");
         }
@@ -73,6 +74,25 @@ impl Solver {
             return refuse("steps", state.steps, format!("at most {MOST_STEPS}"));
         }
         Ok(())
+    }
+
+    fn check_gas(&self, state: &State) -> Result<(), Error> {
+        let pockets = &state.gas.pockets;
+        if self.problem.parameters.gas.is_none() {
+            length("gas.pockets", pockets.len(), 0)?;
+        }
+        let numbers = pockets.iter().flat_map(|pocket| [pocket.rate, pocket.push, pocket.centre.x, pocket.centre.y]);
+        usable("gas.pockets", numbers.collect::<Vec<_>>().iter())?;
+        length("gas.chambers", state.gas.chambers.len(), self.problem.geometry.chambers.len())?;
+        length("gas.vents", state.gas.vents.len(), self.problem.geometry.vents.len())?;
+        let positive = pockets.iter().flat_map(|pocket| [pocket.volume, pocket.pressure]);
+        if let Some(number) = positive.into_iter().find(|number| !(number.is_finite() && *number > 0.0)) {
+            return refuse("volume or pressure of a pocket of gas", number, "a number above 0");
+        }
+        if state.gas.labels.are_sound(pockets.len()) {
+            return Ok(());
+        }
+        refuse("labels of gas", "others than those of its pockets", format!("0 to {}", pockets.len()))
     }
 
     fn check_lengths(&self, state: &State) -> Result<(), Error> {

@@ -81,7 +81,8 @@ impl Balance {
         let dt = step.length;
         let (force, moment) = system.force_on_fixed_walls(problem, &state.pressures, &mut self.three);
         let walls = Gain { impulse: force, angular: moment, energy: 0.0 } * -dt;
-        let bodies = of_bodies(problem, state, system, end, &system.body_load) * -dt;
+        let bodies = of_bodies(problem, state, system, end, &system.water_load) * -dt;
+        let gas = self.of_gas(state, system, dt);
         let [forces, smoothing, pressure, shifting] = self.stages(problem, state, system, changes, dt);
         let gains = &mut state.gains;
         gains.forces += forces;
@@ -89,9 +90,26 @@ impl Balance {
         gains.bodies += bodies;
         // What the shift gave of momentum was taken back together with what the pressure left unpaid.
         let returned = Gain { impulse: shifting.impulse, ..Gain::default() };
-        gains.projection += pressure + returned - walls - bodies;
+        gains.gas += gas;
+        gains.projection += pressure + returned - walls - bodies - gas;
         gains.smoothing += smoothing;
         gains.shifting += shifting - returned;
+    }
+
+    /// What gas gives by its pressure on the surface.
+    fn of_gas(&mut self, state: &State, system: &PressureSystem, dt: f64) -> Gain {
+        let pressures = &system.gas.pressures;
+        if pressures.is_empty() {
+            return Gain::default();
+        }
+        let term = |i: usize| {
+            let cell = &system.cells.cells[i];
+            let push = cell.outward * -system.gas.outside(pressures, i);
+            let mean = (system.before[i] + state.velocities[i]) * 0.5;
+            change(&system.positions[i], push, &mean)
+        };
+        let sums = parallel::sums(state.positions.len(), &mut self.four, term);
+        Gain::from_sums(dt, sums)
     }
 
     /// Forces, smoothing, pressure and shift.

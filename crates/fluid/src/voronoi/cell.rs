@@ -50,6 +50,11 @@ impl Cell {
         self.surface > 0.0
     }
 
+    /// How the free surface ties the pressure of the particle to that of the gas outside.
+    pub fn air_tie(&self) -> f64 {
+        if self.is_open() { (1.0 + self.stiffening) * self.surface / self.depth } else { 0.0 }
+    }
+
     /// What the free surface adds up to, from the facets that bound the rest.
     pub fn close_surface<'a>(&mut self, facets: impl Iterator<Item = &'a Facet>) {
         let (mut closed, mut moment) = (Vector2::zeros(), Matrix2::zeros());

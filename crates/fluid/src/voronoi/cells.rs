@@ -21,6 +21,8 @@ pub struct WallFacet {
     pub facet: Facet,
     /// Moving panel, or `FIXED`.
     pub panel: u32,
+    /// The wall.
+    pub segment: u32,
     /// Place on it, 0 to 1.
     pub fraction: f64,
     /// Whether it only closes a cell where another one sees less of their facet: it moves with the particle and loads
@@ -249,7 +251,13 @@ impl Seen<'_> {
                 if to - from > slack {
                     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from) * *closed);
                     let rest = facet.part([middle - half, middle + half]).with_empty_ends([0.0; 2]);
-                    closures.push(WallFacet { facet: rest, panel: FIXED, fraction: 0.0, is_closure: true });
+                    closures.push(WallFacet {
+                        facet: rest,
+                        panel: FIXED,
+                        segment: FIXED,
+                        fraction: 0.0,
+                        is_closure: true,
+                    });
                 }
                 from = next;
             }
@@ -271,8 +279,8 @@ fn plane_to(setup: &Setup, i: usize, j: u32) -> Plane {
 
 /// Where on its wall a facet lies.
 fn place_on_wall(setup: &Setup, i: usize, facet: Facet, segment: u32) -> WallFacet {
-    let segment = &setup.walls.segments[segment as usize];
+    let wall = &setup.walls.segments[segment as usize];
     let place = setup.positions[i] + facet.middle();
-    let fraction = (segment.local(&place).1 / segment.length).clamp(0.0, 1.0);
-    WallFacet { facet, panel: segment.panel, fraction, is_closure: false }
+    let fraction = (wall.local(&place).1 / wall.length).clamp(0.0, 1.0);
+    WallFacet { facet, panel: wall.panel, segment, fraction, is_closure: false }
 }

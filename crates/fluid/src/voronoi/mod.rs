@@ -7,6 +7,7 @@ mod closed_components;
 mod correct;
 mod edges;
 mod facet;
+mod gas;
 mod neighbour_lanes;
 mod operators;
 pub mod outline;
@@ -109,6 +110,7 @@ impl Voronoi {
         report.reused += usize::from(!fresh);
         let mut watch = Watch::start();
         self.solution.clone_from(&state.pressures);
+        self.solution.extend(self.system.gas.pockets.iter().map(|pocket| pocket.push));
         report.responses = problem.geometry.active.len();
         kinematics::copy(&state.motion.acceleration, &mut self.system.expected);
         if report.responses > 0 {
@@ -123,12 +125,19 @@ impl Voronoi {
         mean_acceleration(end, &state.motion, step.length, &mut self.system.accelerations);
         self.solve_for_walls(problem, state.time, report)?;
         self.level_compartments(problem);
-        state.pressures.copy_from_slice(&self.solution);
+        let (water, gas) = self.solution.split_at(state.pressures.len());
+        state.pressures.copy_from_slice(water);
+        self.system.gas.pressures.clear();
+        self.system.gas.pressures.extend_from_slice(gas);
         if report.responses == 0 {
-            self.system.find_steady_load(problem, &self.solution);
+            self.system.gas.expected.clone_from(&self.system.gas.pressures);
+            self.system.find_steady_load(problem, &state.pressures);
         } else if fresh {
             let base = std::mem::take(&mut self.system.base);
-            self.system.find_steady_load(problem, &base);
+            let (water, gas) = base.split_at(state.pressures.len());
+            self.system.gas.expected.clear();
+            self.system.gas.expected.extend_from_slice(gas);
+            self.system.find_steady_load(problem, water);
             self.system.base = base;
         }
         watch.lap(&mut report.stages.solve);
@@ -152,15 +161,15 @@ impl Voronoi {
         let Some(groups) = self.system.compartments() else { return };
         let up = -problem.parameters.gravity * problem.parameters.density;
         let (cells, places) = (&self.system.cells, &self.system.positions);
-        groups.level(cells, places, &up, self.parameters.enclosed_pressure, &mut self.solution);
+        groups.level(cells, places, &up, self.parameters.enclosed_pressure, &mut self.solution[..places.len()]);
     }
 
     /// Solves for the pressure with the accelerations of the walls as set, from the guess in `self.solution`.
     fn solve_for_walls(&mut self, problem: &Problem, time: f64, report: &mut Report) -> Result<(), Error> {
         let Self { system, solver, right_side, solution, .. } = self;
         system.fill_right_side(problem, right_side);
-        let parameters = &problem.parameters.solve;
-        let outcome = solver.solve_one(&system.matrix, &system.multigrid, right_side, solution, parameters);
+        let parameters = system.tolerance_beside_gas(&problem.parameters.solve, right_side);
+        let outcome = solver.solve_one(&system.matrix, &system.multigrid, right_side, solution, &parameters);
         report.enter_solve(outcome, system.matrix.size(), time, parameters.tolerance)
     }
 }
@@ -226,6 +235,7 @@ impl Discretisation for Voronoi {
         correct::add_load(state, system, step);
         correct::add_added_mass(state, system, step.share);
         correct::kick(state, system, problem, step.length);
+        system.finish_gas(problem, state, &end.velocity, step);
         shift.plan(&state.areas, system, problem, parameters, step.length);
         unpaid.take_back(state, system, problem, &shift.changes, step.length);
         system.record_rates(&mut state.area_rates, &state.velocities, &end.velocity);
@@ -240,6 +250,7 @@ impl Discretisation for Voronoi {
             balance.kept_in_front(problem, state, |i| self.end_walls.stops[i].way);
         }
         state.wall_force += (paid_before - state.gains.walls.impulse) * (step.share / step.length);
+        state.wall_force += system.gas.force_on_fixed_walls() * step.share;
         report.contacts += system.contacts + kept;
         state.jumps += system.jumps;
         watch.lap(&mut report.stages.gradient);
@@ -273,7 +284,9 @@ impl Discretisation for Voronoi {
         for (sensor, probe) in state.sensors.iter_mut().zip(&problem.geometry.probes) {
             sensor.set(self.system.read(problem, &scratch.pressures, probe));
         }
-        state.wall_force = self.balance.force_on_fixed_walls(problem, &self.system, &scratch.pressures);
+        state.wall_force = self.balance.force_on_fixed_walls(problem, &self.system, &scratch.pressures)
+            + self.system.gas.force_on_fixed_walls();
+        self.system.begin_gas(problem, state, 0.5 * step.length);
         state.load = scratch.load;
         state.pressures = scratch.pressures;
         state.acceleration.copy_from_slice(state.motion.acceleration.as_slice());

@@ -67,7 +67,8 @@ impl PressureSystem {
             for (moving, work) in self.unit_pressures.facets_with_work() {
                 let along = self.wall_slope(problem, moving, work, &self.expected);
                 let (i, facet) = (moving.particle as usize, &moving.wall.facet);
-                let push = self.push_on_wall(i, facet, expected[i], problem.spacing);
+                let beyond = expected[i] - self.gas.outside(&self.gas.expected, i);
+                let push = self.push_on_wall(i, facet, beyond, problem.spacing);
                 let force = turn(&facet.normal) * (along * facet.moment_along()) + push;
                 self.add_on_panel(problem, moving.wall.panel, moving.wall.fraction, force, &mut load);
             }
@@ -83,8 +84,8 @@ impl PressureSystem {
         self.steady_load = load;
     }
 
-    /// What a facet on a wall bears beyond the pressure at its particle where it ends at the free surface: the pressure
-    /// falls to 0 there \[N/m\].
+    /// What a facet on a wall bears beyond the pressure at its particle where it ends at the free surface: the `pressure` beyond
+    /// the one outside falls to 0 there \[N/m\].
     pub fn push_on_wall(&self, i: usize, facet: &Facet, pressure: f64, spacing: f64) -> Vector2<f64> {
         let cell = &self.cells.cells[i];
         if !cell.is_open() || !facet.meets_surface() {
@@ -137,6 +138,12 @@ impl PressureSystem {
         if problem.geometry.active.is_empty() { pressures[i] } else { self.base[i] }
     }
 
+    /// The same beyond what the gas outside has.
+    pub fn expected_beyond(&self, problem: &Problem, pressures: &[f64], i: usize) -> f64 {
+        let gas = if problem.geometry.active.is_empty() { &self.gas.pressures } else { &self.gas.expected };
+        self.expected_pressure(problem, pressures, i) - self.gas.outside(gas, i)
+    }
+
     /// Finds the load of the pressure on the moving panels, by virtual work.
     pub fn find_body_load(&mut self, problem: &Problem, pressures: &[f64]) {
         let mut load = std::mem::take(&mut self.body_load);
@@ -147,6 +154,8 @@ impl PressureSystem {
             let force = (pressures[moving.particle as usize] + slope * facet.height) * facet.length();
             load.iter_mut().zip(work).for_each(|(load, work)| *load += force * work);
         }
+        self.water_load.clone_from(&load);
+        self.gas.add_load(&mut load);
         self.body_load = load;
     }
 
@@ -163,13 +172,14 @@ impl PressureSystem {
             if walls.is_empty() || self.cells.is_isolated(i) {
                 return sum;
             }
+            let outside = self.gas.outside(&self.gas.pressures, i);
             for wall in walls.iter().filter(|wall| wall.panel == FIXED) {
                 if wall.is_closure && self.nearest_wall(i).is_none_or(|(panel, _)| panel != FIXED) {
                     continue;
                 }
                 let slope = self.weight_slope(problem, i, &wall.facet);
                 let force = force(&wall.facet, pressures[i], slope, slope)
-                    + self.push_on_wall(i, &wall.facet, pressures[i], problem.spacing);
+                    + self.push_on_wall(i, &wall.facet, pressures[i] - outside, problem.spacing);
                 let moment = (self.positions[i] + wall.facet.middle()).perp(&force);
                 sum.iter_mut().zip([force.x, force.y, moment]).for_each(|(sum, value)| *sum += value);
             }

@@ -3,6 +3,7 @@
 use super::facet::Facet;
 use super::system::PressureSystem;
 use super::tessellate::GRID;
+use crate::gas::{NOTHING, OPEN};
 use crate::parameters::Probe;
 use crate::pressure_field::{PressureField, REACH};
 use crate::problem::Problem;
@@ -80,7 +81,7 @@ impl PressureSystem {
     fn read_on_wall(&self, problem: &Problem, pressures: &[f64], place: &Vector2<f64>, patch: &Patch) -> f64 {
         let (spacing, size) = (problem.spacing, patch.high - patch.low);
         let rings = ((0.5 * size / spacing + 2.0) / GRID).ceil() as i64;
-        let mut force = 0.0;
+        let (mut force, mut dry) = (0.0, size);
         self.cells.grid.for_each_within(place, rings, |i| {
             if self.cells.is_isolated(i) {
                 return;
@@ -88,18 +89,31 @@ impl PressureSystem {
             let fixed = self.cells.walls.of(i).iter().filter(|wall| wall.panel == FIXED && !wall.is_closure);
             for wall in fixed {
                 let slope = problem.parameters.density * self.forces[i].dot(&wall.facet.normal);
-                force += patch.covered(&self.positions[i], &wall.facet, spacing)
-                    * (pressures[i] + slope * wall.facet.height);
+                let covered = patch.covered(&self.positions[i], &wall.facet, spacing);
+                dry -= covered;
+                force += covered * (pressures[i] + slope * wall.facet.height);
             }
             for (moving, work) in self.unit_pressures.of(i) {
                 let facet = &moving.wall.facet;
                 let covered = patch.covered(&self.positions[i], facet, spacing);
                 if covered > 0.0 {
                     let slope = self.wall_slope(problem, moving, work, &self.accelerations);
+                    dry -= covered;
                     force += covered * (pressures[i] + slope * facet.height);
                 }
             }
         });
-        force / size
+        (force + self.read_gas(patch, dry.max(0.0), spacing)) / size
+    }
+
+    /// Force of gas on a length of a patch that is dry \[N/m\].
+    fn read_gas(&self, patch: &Patch, dry: f64, spacing: f64) -> f64 {
+        if self.gas.pressures.is_empty() {
+            return 0.0;
+        }
+        match self.gas_before(self.gas.space(), patch.wall, 0.5 * (patch.low + patch.high), spacing) {
+            NOTHING | OPEN => 0.0,
+            label => self.gas.pressures[label as usize - 1] * dry,
+        }
     }
 }

@@ -164,7 +164,7 @@ impl PressureSystem {
 
 /// What moves the free surface of cell i beyond the velocity of its particle: the velocity at the surface. Round a tip
 /// or a drop the surface has no one direction, and the gradient comes from too few neighbours.
-fn surface_rate(cells: &Cells, i: usize, gradient: &Matrix2<f64>) -> f64 {
+pub(super) fn surface_rate(cells: &Cells, i: usize, gradient: &Matrix2<f64>) -> f64 {
     let cell = &cells.cells[i];
     let length = cell.outward.norm();
     if length == 0.0 {

@@ -3,6 +3,7 @@
 use super::cells::{Cells, Setup};
 use super::closed_components::ClosedComponents;
 use super::facet::Facet;
+use super::gas::GasCells;
 use super::source::Asked;
 use super::unit_pressures::{MovingFacet, UnitPressures};
 use super::{correct, operators};
@@ -52,8 +53,10 @@ pub struct PressureSystem {
     pub expected: DVector<f64>,
     /// What the step puts on the bodies' coordinates whatever their accelerations \[N/m, N m/m, modal\].
     pub steady_load: Vec<f64>,
-    /// What it puts on them all in all.
+    /// What it puts on them all in all, and of that what the water does.
     pub body_load: Vec<f64>,
+    /// See `body_load`.
+    pub water_load: Vec<f64>,
     /// Walls near each particle.
     pub proximities: Lists<WallProximity>,
     /// Cells in the middle of the step.
@@ -83,6 +86,8 @@ pub struct PressureSystem {
     pub unit_pressures: UnitPressures,
     /// Pressure with the body accelerating as at the end of the last step \[Pa\].
     pub base: Vec<f64>,
+    /// Pockets of gas.
+    pub gas: GasCells,
 }
 
 impl Default for PressureSystem {
@@ -105,6 +110,7 @@ impl Default for PressureSystem {
             expected: DVector::zeros(0),
             steady_load: Vec::new(),
             body_load: Vec::new(),
+            water_load: Vec::new(),
             proximities: Lists::default(),
             cells: Cells::default(),
             forces: Vec::new(),
@@ -120,6 +126,7 @@ impl Default for PressureSystem {
             closed: false,
             unit_pressures: UnitPressures::default(),
             base: Vec::new(),
+            gas: GasCells::default(),
         }
     }
 }
@@ -161,6 +168,9 @@ impl PressureSystem {
         if !bodies.is_empty() {
             self.unit_pressures.collect(&self.cells, &problem.layout, bodies, &self.middle.position);
         }
+        self.find_gas(problem, state, half);
+        let gas = (0..self.gas.count()).map(|k| self.gas.work(k));
+        self.unit_pressures.collect_gas(self.positions.len(), gas);
     }
 
     /// The same, whatever is there already.
@@ -175,8 +185,12 @@ impl PressureSystem {
         self.smooth(voronoi, &state.areas, step.length);
         self.ask(voronoi, state, step);
         self.build_source(problem, step.length);
-        self.closed = fill_matrix(&mut self.matrix, &self.cells, &state.areas, &mut self.components);
-        self.multigrid.set_up(&self.matrix, &self.positions, problem.spacing, problem.spacing * problem.spacing);
+        self.tie_gas(problem, step.length);
+        self.closed = fill_matrix(&mut self.matrix, &self.cells, &state.areas, &mut self.components, &self.gas);
+        let kappa = problem.spacing * problem.spacing;
+        let held = self.held_by_gas();
+        let row_sums = held.as_ref().unwrap_or(&self.matrix.row_sums);
+        self.multigrid.set_up(row_sums, &self.positions, problem.spacing, kappa);
     }
 
     /// Components of the water, where there is some that touches no free surface.
@@ -187,7 +201,10 @@ impl PressureSystem {
     /// The right side with the accelerations of the walls as set.
     pub fn fill_right_side(&self, problem: &Problem, out: &mut Vec<f64>) {
         out.resize(self.matrix.size(), 0.0);
-        parallel::fill(out, |i| self.source[i] + self.wall_source(problem, i));
+        let (water, gas) = out.split_at_mut(self.source.len());
+        parallel::fill(water, |i| self.source[i] + self.wall_source(problem, i));
+        let density = problem.parameters.density;
+        gas.iter_mut().enumerate().for_each(|(k, out)| *out = self.gas.right_side(density, k, &self.accelerations));
     }
 
     /// Brings the particles to the middle of the step, in front of the walls as they stand there.
@@ -328,20 +345,29 @@ pub(super) fn fill_matrix(
     cells: &Cells,
     areas: &[f64],
     components: &mut ClosedComponents,
+    gas: &GasCells,
 ) -> bool {
     let count = cells.cells.len();
-    matrix.set_rows(count, |i, out| {
+    matrix.set_rows(count + gas.count(), |i, out| {
+        if i >= count {
+            let tie = |&(column, weight): &(u32, f64)| Entry { column, weight: weight as f32 };
+            return out.extend(gas.ties(i - count).iter().map(tie));
+        }
         let stiffening = |i: usize| cells.cells[i].stiffening;
         let stiff = |facet: &Facet| 1.0 + stiffening(i).max(stiffening(facet.neighbour as usize));
         let entry = |facet: &Facet| Entry { column: facet.neighbour, weight: (facet.weight() * stiff(facet)) as f32 };
         out.extend(cells.facets.of(i).iter().map(entry));
+        let to_gas =
+            |(k, share)| Entry { column: (count + k) as u32, weight: (share * cells.cells[i].air_tie()) as f32 };
+        out.extend(gas.border(i).map(to_gas));
     });
     matrix.row_sums.resize(count, 0.0);
-    parallel::fill(&mut matrix.row_sums, |i| {
-        let cell = &cells.cells[i];
-        if cell.is_open() { (1.0 + cell.stiffening) * cell.surface / cell.depth } else { 0.0 }
-    });
+    parallel::fill(&mut matrix.row_sums, |i| cells.cells[i].air_tie());
     let closed = components.settle(cells, areas, &mut matrix.row_sums);
+    if gas.count() > 0 {
+        parallel::update(&mut matrix.row_sums, |i, sum| sum - gas.tied(i) * cells.cells[i].air_tie());
+        matrix.row_sums.extend(&gas.compliance);
+    }
     matrix.close(closed);
     closed
 }

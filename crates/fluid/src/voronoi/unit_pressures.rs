@@ -10,12 +10,13 @@
 //! the next solve gives.
 
 use super::cells::{Cells, WallFacet};
+use super::facet::Facet;
 use crate::linear::{ConjugateGradient, Guess, Matrix, Multigrid, SolveParameters};
 use crate::parallel;
 use crate::problem::Problem;
 use crate::walls::{FIXED, WallLayout};
 use kinematics::{BodySet, SurfacePoint};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector2};
 
 /// Relative residual of the unit pressures. The error of the added mass is its square.
 const TOLERANCE: f64 = 1e-4;
@@ -54,6 +55,9 @@ pub struct UnitPressures {
     work: Vec<f64>,
     /// First facet of each particle, and the number of facets.
     starts: Vec<u32>,
+    /// Walls that pockets of gas touch, each as one facet of length 1 of the pocket's row, and their work.
+    gas: Vec<MovingFacet>,
+    gas_work: Vec<f64>,
     /// Number of coordinates.
     size: usize,
     /// Coordinates that answer to the load.
@@ -90,6 +94,18 @@ impl UnitPressures {
         }
     }
 
+    /// Collects the work of a unit pressure of each pocket of gas; their rows begin at `first`.
+    pub fn collect_gas<'a>(&mut self, first: usize, works: impl Iterator<Item = &'a [f64]>) {
+        self.gas.clear();
+        self.gas_work.clear();
+        for (k, work) in works.enumerate().filter(|_| self.size > 0) {
+            let facet = Facet::new(FIXED, Vector2::x(), 0.0, [0.0, 1.0]);
+            let wall = WallFacet { facet, panel: FIXED, segment: FIXED, fraction: 0.0, is_closure: false };
+            self.gas.push(MovingFacet { particle: (first + k) as u32, wall });
+            self.gas_work.extend_from_slice(work);
+        }
+    }
+
     /// Facets of particle i on moving walls, with the work on them; none where nothing was collected.
     pub fn of(&self, i: usize) -> impl Iterator<Item = (&MovingFacet, &[f64])> {
         let range = match self.starts.get(i..i + 2) {
@@ -115,8 +131,9 @@ impl UnitPressures {
         self.active.clone_from(active);
         let parameters = &problem.parameters.solve;
         let parameters = SolveParameters { tolerance: TOLERANCE.max(parameters.tolerance), ..parameters.clone() };
-        let Self { facets, work, size, wide, narrow, .. } = self;
-        let loaded = || facets.iter().zip(work.chunks_exact((*size).max(1)));
+        let Self { facets, work, gas, gas_work, size, wide, narrow, .. } = self;
+        let size = (*size).max(1);
+        let loaded = || facets.iter().zip(work.chunks_exact(size)).chain(gas.iter().zip(gas_work.chunks_exact(size)));
         let system = System { matrix, multigrid, parameters: &parameters };
         let rest = active.len() % WIDE;
         let (most, last) = active.split_at(active.len() - if rest <= NARROW { rest } else { 0 });
@@ -137,7 +154,8 @@ impl UnitPressures {
             mass = DMatrix::zeros(self.size, self.size);
         }
         mass.fill(0.0);
-        for (facet, work) in self.facets_with_work() {
+        let gas = self.gas.iter().zip(self.gas_work.chunks_exact(self.size.max(1)));
+        for (facet, work) in self.facets_with_work().chain(gas) {
             let length = facet.wall.facet.length();
             for &column in &self.active {
                 let rise = density * facet.wall.facet.height * work[column];

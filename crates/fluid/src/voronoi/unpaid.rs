@@ -46,7 +46,10 @@ impl PressureSystem {
     /// Velocity that the pressure gives particle i \[m/s\].
     pub fn kick_of(&self, problem: &Problem, state: &State, i: usize, time_step: f64) -> Vector2<f64> {
         let [filled, moved] = self.filled_and_moved(i, state.areas[i]);
-        let sum = operators::pressure_difference(&self.cells, i, &state.pressures) + self.wall_difference(problem, i);
+        let outside = self.cells.cells[i].free_surface_gradient * self.gas.outside(&self.gas.pressures, i);
+        let sum = operators::pressure_difference(&self.cells, i, &state.pressures)
+            + self.wall_difference(problem, i)
+            + outside;
         (self.forces[i] * (filled - moved) - sum / problem.parameters.density) * (time_step / moved)
     }
 
@@ -56,11 +59,12 @@ impl PressureSystem {
         if !cell.is_open() {
             return Vector2::zeros();
         }
+        let beyond = pressures[i] - self.gas.outside(&self.gas.pressures, i);
         let walls = self.cells.walls.of(i).iter().filter(|wall| wall.facet.meets_surface()).map(|wall| {
-            let paid = if wall.panel == FIXED { pressures[i] } else { self.expected_pressure(problem, pressures, i) };
+            let paid = if wall.panel == FIXED { beyond } else { self.expected_beyond(problem, pressures, i) };
             self.push_on_wall(i, &wall.facet, paid, problem.spacing)
         });
-        (cell.free_surface_gradient - cell.outward) * pressures[i] + walls.sum::<Vector2<f64>>()
+        (cell.free_surface_gradient - cell.outward) * beyond + walls.sum::<Vector2<f64>>()
     }
 }
 

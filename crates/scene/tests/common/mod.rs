@@ -29,6 +29,12 @@ region = [{ name = "r", polygon = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]] }]
 voronoi = { alpha = 0.01, courant = 0.4, shifting = 1.0, repulsion = 20.0, spreading = 30.0, smoothing = 1.0, enclosed_pressure = 0.0 }
 mps = { influence_radius = 3.1, alpha = 0.01, courant = 0.2, shifting = 0.03, collision_distance = 0.8, restitution = 0.2, surface_deviation = 0.2 }
 solve = { tolerance = 1e-3, maximum_iterations = 100 }
+[gas]
+exponent = 1.4
+ambient = 1e5
+density = 1.2
+chamber = [{ name = "c", point = [0.5, 0.8], pressure = 1e5 }]
+vent = [{ name = "v", point = [0.5, 0.8], to = [0.2, 0.8], area = 1e-3, discharge = 0.6 }]
 [[body]]
 name = "cabin"
 origin = [0.5, 0.6]

@@ -3,6 +3,7 @@
 use super::{Arrangement, Noise, ORDERS, Order, orders, points, square};
 use crate::linear::{ConjugateGradient, Matrix, Multigrid, SolveParameters};
 use crate::voronoi::closed_components::ClosedComponents;
+use crate::voronoi::gas::GasCells;
 use crate::voronoi::system::fill_matrix;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
@@ -10,7 +11,7 @@ use std::f64::consts::PI;
 /// A of the cells.
 pub fn assembled(water: &Arrangement) -> Matrix {
     let mut matrix = Matrix::default();
-    fill_matrix(&mut matrix, &water.cells, &water.own_areas, &mut ClosedComponents::default());
+    fill_matrix(&mut matrix, &water.cells, &water.own_areas, &mut ClosedComponents::default(), &GasCells::default());
     matrix
 }
 
@@ -74,7 +75,7 @@ fn error(order: Order, across: usize) -> f64 {
         .map(|i| water.own_areas[i] * 1.25 * PI * PI * exact(&(water.positions[i] + water.cells.cells[i].centroid)))
         .collect();
     let mut multigrid = Multigrid::default();
-    multigrid.set_up(&matrix, &water.positions, water.spacing, water.spacing * water.spacing);
+    multigrid.set_up(&matrix.row_sums, &water.positions, water.spacing, water.spacing * water.spacing);
     let parameters = SolveParameters { tolerance: 1e-10, maximum_iterations: 200 };
     let mut solution = vec![0.0; matrix.size()];
     let outcome = ConjugateGradient::default().solve_one(&matrix, &multigrid, &right, &mut solution, &parameters);
